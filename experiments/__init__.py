@@ -1,0 +1,1 @@
+"""Experiments: configuration in, metrics, figures and a recording out."""

@@ -1,0 +1,1 @@
+"""Inference with what was learned: Eq. (1), Eq. (2), priors, demonstrations and the imitator's loop."""

@@ -1,0 +1,1 @@
+"""Bodies, worlds and teachers: the only place that knows physics."""
