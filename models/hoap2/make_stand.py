@@ -1,0 +1,78 @@
+"""Make stand.xml from hoap2.xml: the same robot, its torso a fixed part of a stand.
+
+MJCF has no way to include a body without its joint (`include` cannot drop it, `attach` must rename every element), so the
+file is made, not written: the robot's text minus its free joint, plus what stands around it. A test keeps the two together.
+
+    python -m models.hoap2.make_stand           # says whether stand.xml is up to date (exit 1 if not)
+    python -m models.hoap2.make_stand --write   # writes it
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from models.errors import BodyError
+from models.hoap2.facts import HOME_DEG, JOINTS
+
+FOLDER = Path(__file__).resolve().parent
+TORSO_HEIGHT = 0.45
+"""Metres. A foot on a straight leg hangs 0.326 below the waist axis and reaches 0.35 at full stretch of the ankle."""
+
+HEADER = """\
+<!-- HOAP-2 hung by its torso on a stand: 25 joints move, nothing touches anything. This is where it babbles.
+     Made from hoap2.xml by `python -m models.hoap2.make_stand --write`; change that file, not this one. -->
+<mujoco model="hoap2_stand">
+  <option timestep="0.002" integrator="implicitfast">
+    <flag contact="disable"/>
+  </option>
+  <statistic center="0 0 0.4" extent="0.7"/>
+"""
+
+SURROUNDINGS = """\
+    <light name="sun" type="directional" pos="1 1 3" dir="-0.3 -0.3 -1"/>
+    <camera name="front" pos="1.1 -0.6 0.7" xyaxes="0.48 0.88 0 -0.25 0.14 0.96" fovy="40"/>
+    <geom name="floor" type="plane" size="3 3 0.05" rgba="0.55 0.58 0.55 1"/>
+    <geom name="stand_foot" type="cylinder" size="0.12 0.008" pos="-0.22 0 0.008" group="2" rgba="0.35 0.36 0.38 1"/>
+    <geom name="stand_pole" type="capsule" size="0.012" fromto="-0.22 0 0 -0.22 0 0.54" group="2" rgba="0.35 0.36 0.38 1"/>
+    <geom name="stand_arm" type="capsule" size="0.01" fromto="-0.22 0 0.54 -0.13 0 0.54" group="2" rgba="0.35 0.36 0.38 1"/>
+"""
+
+
+def _replace(text: str, old: str, new: str) -> str:
+    if text.count(old) != 1:
+        raise BodyError(f"hoap2.xml: {old!r} stands there {text.count(old)} times, once is needed to make the stand")
+    return text.replace(old, new)
+
+
+def _posture(degrees: dict[str, float]) -> str:
+    return " ".join(f"{np.deg2rad(degrees.get(joint, 0.0)):.9g}" for joint in JOINTS)
+
+
+def stand_xml(robot: str) -> str:
+    """Text of stand.xml, from the text of hoap2.xml."""
+    head, mark, body = robot.partition('<mujoco model="hoap2">\n')
+    if not mark:
+        raise BodyError(f"hoap2.xml: no '<mujoco model=\"hoap2\">' in its first {len(head)} characters")
+    body = _replace(body, "  <worldbody>\n", "  <worldbody>\n" + SURROUNDINGS)
+    body = _replace(body, 'name="torso" pos="0 0 0.2905"', f'name="torso" pos="0 0 {TORSO_HEIGHT}"')
+    body = _replace(body, '      <freejoint name="root"/>\n', "")
+    keys = "".join(
+        f'    <key name="{name}" qpos="{posture}" ctrl="{posture}"/>\n'
+        for name, posture in (("home", _posture(HOME_DEG)), ("zero", _posture({})))
+    )
+    return HEADER + _replace(body, "</mujoco>", f"\n  <keyframe>\n{keys}  </keyframe>\n</mujoco>")
+
+
+def main() -> int:
+    """Compare or write; the exit status says whether the file on disk is up to date."""
+    text, target = stand_xml((FOLDER / "hoap2.xml").read_text()), FOLDER / "stand.xml"
+    if "--write" in sys.argv[1:]:
+        target.write_text(text)
+    current = target.exists() and target.read_text() == text
+    sys.stdout.write(f"{target.name} is {'up to date' if current else 'not what hoap2.xml says: run with --write'}\n")
+    return 0 if current else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
