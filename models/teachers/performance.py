@@ -1,0 +1,83 @@
+"""What is seen of a teacher: where its body parts point, in its own torso's frame.
+
+Bodies differ in lengths, joints and zero postures; the direction in which a forearm points does not. Directions of
+body parts are the in-between format from which any body with limbs can imitate (the supramodal frame of active
+intermodal mapping; Meltzoff and Moore 1997, and Figure 9 of Rao, Shon and Meltzoff 2007).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import BodyError
+
+SIDES = ("left", "right")
+LIMB_PARTS = ("upper_arm", "forearm", "thigh", "shank", "foot")
+PARTS: tuple[str, ...] = (*(f"{side}_{part}" for side in SIDES for part in LIMB_PARTS), "head", "trunk")
+"""Body parts with a direction: upper arm and forearm point to the hand, thigh and shank to the foot, the foot to its
+toes, the head along its nose, and the trunk is the pelvis' upward axis (so that bending at the waist shows)."""
+
+
+class TeacherError(BodyError):
+    """Something about a teacher or its movement that the user can mend."""
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A movement as it is seen.
+
+    name, teacher: which movement, and whose.
+    time: (T,) seconds, strictly increasing from 0.
+    directions: part of PARTS -> (T, 3) unit vectors in the torso's frame, x forward, y left, z up.
+    points: (T, K, 3) metres in the world, z up: where the teacher's joints are, to draw it.
+    bones: pairs of point indices that are connected.
+    The arrays are copied and read-only.
+    """
+
+    name: str
+    teacher: str
+    time: NDArray[np.float64]
+    directions: Mapping[str, NDArray[np.float64]]
+    points: NDArray[np.float64]
+    bones: tuple[tuple[int, int], ...]
+
+    def __post_init__(self) -> None:
+        time = _frozen(self.time)
+        points = _frozen(self.points)
+        directions = {part: _frozen(values) for part, values in self.directions.items()}
+        if time.ndim != 1 or len(time) < 3 or time[0] != 0 or not (np.diff(time) > 0).all():
+            raise TeacherError(f"{self.name}: time must be at least 3 seconds-values that increase from 0")
+        for part, values in directions.items():
+            if part not in PARTS:
+                raise TeacherError(f"{self.name}: {part!r} is no body part; there are {', '.join(PARTS)}")
+            if values.shape != (len(time), 3) or not np.allclose(np.linalg.norm(values, axis=1), 1, atol=1e-9):
+                raise TeacherError(f"{self.name}: directions of {part!r} must be {len(time)} unit vectors")
+        if points.ndim != 3 or points.shape[::2] != (len(time), 3) or not np.isfinite(points).all():
+            raise TeacherError(f"{self.name}: points have shape {points.shape}; they must be ({len(time)}, K, 3)")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "directions", MappingProxyType(directions))
+
+
+def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same directions with length 1 along the last axis; a zero vector has none and raises TeacherError."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    if not (length > 1e-12).all():
+        raise TeacherError("a body part has no length, so it points nowhere; check the teacher's landmarks")
+    return np.asarray(vectors / length)
+
+
+def upright_frame(left: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotation whose columns are forward, left and up, from rough left and up vectors; up is made square to left."""
+    left = unit(left)
+    up = unit(up - (up @ left) * left)
+    return np.column_stack([np.cross(left, up), left, up])
+
+
+def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    copy = np.array(values, dtype=float)
+    copy.setflags(write=False)
+    return copy
