@@ -1,0 +1,42 @@
+"""The run profile of a pan-tilt unit: how fast a commanded axis may move and how fast it may change its mind."""
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def profile(
+    position: npt.ArrayLike,
+    velocity: npt.ArrayLike,
+    target: npt.ArrayLike,
+    max_speed: npt.ArrayLike,
+    max_acceleration: npt.ArrayLike,
+    dt: float,
+) -> tuple[FloatArray, FloatArray]:
+    """One step of `dt` seconds of a trapezoidal move towards `target`: new position and velocity of the set-point.
+
+    The axis speeds up at `max_acceleration` a until `max_speed` v, and brakes at a so as to stop on the target: a move
+    of length D from rest lasts D/v + v/a when D >= v^2/a (a trapezoid) and 2 sqrt(D/a) otherwise (a triangle), to
+    within two steps. The speed from which braking in steps of a dt ends exactly on a target e away is the u that solves
+    e = u^2/(2a) + u dt/2. The target may change at any time; then a too fast axis overshoots and comes back, as
+    a real one does. All arguments broadcast; angles in radians or metres alike.
+    """
+    position, velocity, acceleration = (np.asarray(x, float) for x in (position, velocity, max_acceleration))
+    error = np.asarray(target, float) - position
+    distance = np.abs(error)
+    stopping = acceleration * (np.sqrt(0.25 * dt * dt + 2.0 * distance / acceleration) - 0.5 * dt)
+    wanted = np.copysign(np.minimum(np.minimum(stopping, distance / dt), max_speed), error)
+    change = acceleration * dt
+    new_velocity = np.clip(wanted, velocity - change, velocity + change)
+    return position + new_velocity * dt, new_velocity
+
+
+def move_time(
+    distance: npt.ArrayLike, max_speed: npt.ArrayLike, max_acceleration: npt.ArrayLike
+) -> npt.NDArray[np.float64]:
+    """Seconds a move from rest to rest lasts in continuous time; see `profile`."""
+    length, speed, acceleration = (np.abs(np.asarray(x, float)) for x in (distance, max_speed, max_acceleration))
+    trapezoid = length / speed + speed / acceleration
+    triangle = 2.0 * np.sqrt(length / acceleration)
+    return np.where(length >= speed**2 / acceleration, trapezoid, triangle)

@@ -1,0 +1,70 @@
+"""The head in its room, with whoever and whatever it is to look at."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+
+from models.biclops import FACE, ROBOT, SCENE
+from models.errors import BodyError
+
+TEACHER = "teacher_"
+"""Prefix of everything that belongs to the head on the other side."""
+FACE_PREFIX = "face_"
+CLOTHS = ("blindfold", "headband")
+FEATURES = ("left_eye", "right_eye", "nose", "left_ear", "right_ear")
+"""The coloured parts of a face, as geoms of face.xml."""
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A coloured ball to look at: centre and radius in metres, red, green, blue in 0..1."""
+
+    name: str
+    position: tuple[float, float, float]
+    rgb: tuple[float, float, float]
+    radius: float = 0.02
+
+
+def room(*, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] = ()) -> mujoco.MjSpec:
+    """The scene of scene.xml; with a teacher's head facing ours at `distance` metres, and balls that can be moved.
+
+    The teacher is the same machine wearing the face, its joints and servos `teacher_pan`, `teacher_tilt`, its features
+    `teacher_face_nose` and so on (`FEATURES`). Each ball is a mocap body of its name. The spec may be edited further
+    before `.compile()`.
+
+    Raises:
+        BodyError: a teacher within reach of our own base, or two balls of one name.
+    """
+    scene = mujoco.MjSpec.from_file(str(SCENE))
+    if teacher:
+        if distance < 0.3:
+            raise BodyError(f"a teacher at {distance} m stands inside our own head; possible is 0.3 m and more")
+        other = mujoco.MjSpec.from_file(str(ROBOT))
+        other.attach(mujoco.MjSpec.from_file(str(FACE)), site=other.site("face"), prefix=FACE_PREFIX)
+        place = scene.site("opposite")
+        place.pos = (distance, 0.0, 0.0)
+        scene.attach(other, site=place, prefix=TEACHER)
+    names = [ball.name for ball in balls]
+    for ball in balls:
+        if names.count(ball.name) > 1:
+            raise BodyError(f"two balls are called {ball.name!r}; every ball needs a name of its own")
+        body = scene.worldbody.add_body(name=ball.name, pos=ball.position, mocap=True)
+        body.add_geom(
+            name=ball.name,
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=(ball.radius, 0.0, 0.0),
+            rgba=(*ball.rgb, 1.0),
+            group=2,
+            contype=0,
+            conaffinity=0,
+        )
+    return scene
+
+
+def wear_cloth(model: mujoco.MjModel, cloth: str | None) -> None:
+    """Put one of `CLOTHS` on the teacher's head, or take it off again (None). It is seen from the next look on."""
+    if cloth is not None and cloth not in CLOTHS:
+        raise BodyError(f"unknown cloth {cloth!r}; there are {', '.join(CLOTHS)}")
+    for name in CLOTHS:
+        model.geom(f"{TEACHER}{FACE_PREFIX}{name}").rgba[3] = float(name == cloth)

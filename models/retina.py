@@ -1,0 +1,118 @@
+"""A retina: what a camera of a simulated body shows, as pixels and nothing else.
+
+An `Eye` turns physics into an image, `(height, width, 3)` bytes of red, green and blue. Two ways to make one stand in
+`RENDERERS`: MuJoCo's ray casting, which needs no graphics (`rays`), and MuJoCo's own renderer over EGL or OSMesa
+(`mujoco`). Both are pinhole cameras with square pixels; the centre of pixel (row i, column j) is the image point
+u = j, v = i (columns to the right, rows downwards), so the optical axis meets the image at ((W - 1)/2, (H - 1)/2).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from models.errors import BodyError, unknown
+
+Image = npt.NDArray[np.uint8]
+"""`(height, width, 3)` red, green, blue."""
+
+LARGEST_SIDE = 2048  # pixels; above this a mistyped number, not a retina
+SMALLEST_SIDE = 8
+
+
+@dataclass(frozen=True)
+class RetinaOptions:
+    """How an eye sees. Lengths on the image are pixels; `fovy_deg=None` takes the camera's own vertical field of view.
+
+    `noise` is the standard deviation of white Gaussian noise on every channel of every pixel as a fraction of full
+    scale (0.02 = 5.1 of 255 levels); `blur` the standard deviation of a Gaussian blur; `antialias` averages
+    several samples in pixels that an edge crosses.
+    """
+
+    width: int = 160
+    height: int = 120
+    fovy_deg: float | None = None
+    noise: float = 0.0
+    blur: float = 0.0
+    antialias: bool = True
+
+    def __post_init__(self) -> None:
+        for name, side in (("width", self.width), ("height", self.height)):
+            if not SMALLEST_SIDE <= side <= LARGEST_SIDE:
+                raise BodyError(f"a retina {name} of {side} pixels: possible are {SMALLEST_SIDE} to {LARGEST_SIDE}")
+        if self.fovy_deg is not None and not 1.0 <= self.fovy_deg <= 150.0:
+            raise BodyError(f"a vertical field of view of {self.fovy_deg} degrees: possible are 1 to 150")
+        if not 0.0 <= self.noise <= 1.0:
+            raise BodyError(f"pixel noise {self.noise}: a fraction of full scale, 0 to 1")
+        if not 0.0 <= self.blur <= 20.0:
+            raise BodyError(f"blur {self.blur}: a standard deviation in pixels, 0 to 20")
+
+
+class Eye(Protocol):
+    """One camera of one body."""
+
+    options: RetinaOptions
+    focal_px: float
+    """Focal length in pixels: (height/2) / tan(fovy/2)."""
+
+    def see(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> Image:
+        """The image at `data` (after `mj_forward` or `mj_step`). `rng` is needed when there is noise."""
+        ...
+
+
+def camera_id(model: mujoco.MjModel, name: str) -> int:
+    """The camera called `name`; raises `BodyError` for a scene without it."""
+    names = [model.camera(i).name for i in range(model.ncam)]
+    if not names:
+        raise BodyError(f"no camera {name!r}: this scene has no cameras at all; a body that sees needs <camera name=...>")
+    if name not in names:
+        raise BodyError(unknown("camera", name, names))
+    return names.index(name)
+
+
+def focal_length_px(model: mujoco.MjModel, camera: int, options: RetinaOptions) -> float:
+    """f = (height/2) / tan(fovy/2), in pixels."""
+    fovy_deg = float(model.cam_fovy[camera]) if options.fovy_deg is None else options.fovy_deg
+    return 0.5 * options.height / float(np.tan(np.deg2rad(fovy_deg) / 2.0))
+
+
+def degrade(colour: npt.NDArray[np.float32], options: RetinaOptions, rng: np.random.Generator | None) -> Image:
+    """Blur, then noise, then eight bits: the same for every renderer. `colour` is `(H, W, 3)` in levels
+    0..255."""
+    if options.blur > 0.0:
+        colour = ndimage.gaussian_filter(colour, (options.blur, options.blur, 0.0), mode="nearest", truncate=3.0)
+    if options.noise > 0.0:
+        if rng is None:
+            raise BodyError("a noisy retina needs a random generator: eye.see(data, rng)")
+        noise = rng.standard_normal(colour.shape, dtype=np.float32)
+        noise *= np.float32(255.0 * options.noise)
+        noise += colour
+        colour = np.clip(noise, 0.0, 255.0, out=noise)
+    return (colour + np.float32(0.5)).astype(np.uint8)
+
+
+def _by_rays(model: mujoco.MjModel, camera: str, options: RetinaOptions) -> Eye:
+    from models.retina_rays import RayEye  # here, because the eyes are built on this module
+
+    return RayEye(model, camera, options)
+
+
+def _by_mujoco(model: mujoco.MjModel, camera: str, options: RetinaOptions) -> Eye:
+    from models.retina_renderer import RenderedEye
+
+    return RenderedEye(model, camera, options)
+
+
+RENDERERS: dict[str, Callable[[mujoco.MjModel, str, RetinaOptions], Eye]] = {"rays": _by_rays, "mujoco": _by_mujoco}
+"""Every way to make an eye."""
+
+
+def open_eye(model: mujoco.MjModel, camera: str, options: RetinaOptions | None = None, renderer: str = "rays") -> Eye:
+    """The eye at `camera`, made by one of `RENDERERS`."""
+    if renderer not in RENDERERS:
+        raise BodyError(unknown("renderer", renderer, RENDERERS))
+    return RENDERERS[renderer](model, camera, options or RetinaOptions())
