@@ -4,10 +4,10 @@ The law, joint by joint, all other joints held still:
 
     I q'' + (damping + kv) q' + kp q = kp command        =>   kp = I w^2,   kv = 2 zeta I w - damping
 
-I (kg·m²) is the joint's diagonal entry of the joint-space inertia at `home` with the torso fixed, armature included. The
-diagonal, and not the inverse of the inverse's diagonal, because the other joints are servos too: they hold, they do not
-swing freely. w (rad/s) follows from the bandwidth b, the frequency at which an isolated joint's answer to its command has
-fallen by 3 dB:   b = w / 2 pi * sqrt(1 - 2 zeta^2 + sqrt((1 - 2 zeta^2)^2 + 1)).
+I (kg·m²) is the joint's diagonal entry of the joint-space inertia at `home` with the torso fixed, armature included.
+The diagonal, and not the inverse of the inverse's diagonal, because the other joints are servos too: they hold, they
+do not swing freely. w (rad/s) follows from the bandwidth b, the frequency at which an isolated joint's answer to its
+command has fallen by 3 dB:   b = w / 2 pi * sqrt(1 - 2 zeta^2 + sqrt((1 - 2 zeta^2)^2 + 1)).
 
     python -m models.hoap2.derive_gains           # the table; exit 1 if hoap2.xml says something else
     python -m models.hoap2.derive_gains --write   # writes the gains into hoap2.xml, and stand.xml after it
@@ -26,11 +26,9 @@ from models.hoap2.facts import DAMPING, HOME_DEG, JOINTS, joint_class
 from models.hoap2.make_stand import stand_xml
 
 BANDWIDTH_HZ: Final = 8.0
-"""-3 dB. Small servos reach 7 to 15 Hz; 8 Hz keeps the leg gains near the 50-150 N·m/rad that the torque limits can serve
-(9 N·m is then 4-8 degrees of error), and holds for each joint also when its neighbours give way (README)."""
+"""-3 dB, within the 7 to 15 Hz of small servos; README.md argues for it."""
 DAMPING_RATIO: Final = 0.9
-"""Overshoot 0.2 %: none that an eye or the encoder of a moving joint would see. A ratio of 1 needs 16 % more stiffness for
-the same bandwidth."""
+"""Overshoot 0.2 %, which no eye would see; a ratio of 1 needs 34 % more stiffness for the same bandwidth."""
 
 
 class Gains(NamedTuple):

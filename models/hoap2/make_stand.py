@@ -1,13 +1,15 @@
 """Make stand.xml from hoap2.xml: the same robot, its torso a fixed part of a stand.
 
-MJCF has no way to include a body without its joint (`include` cannot drop it, `attach` must rename every element), so the
-file is made, not written: the robot's text minus its free joint, plus what stands around it. A test keeps the two together.
+MJCF has no way to include a body without its joint (`include` cannot drop it, `attach` must rename every element), so
+the file is made, not written: the robot's text minus its free joint, plus what stands around it. A test keeps the two
+together.
 
     python -m models.hoap2.make_stand           # says whether stand.xml is up to date (exit 1 if not)
     python -m models.hoap2.make_stand --write   # writes it
 """
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +19,7 @@ from models.hoap2.facts import HOME_DEG, JOINTS
 
 FOLDER = Path(__file__).resolve().parent
 TORSO_HEIGHT = 0.45
-"""Metres. A foot on a straight leg hangs 0.326 below the waist axis and reaches 0.35 at full stretch of the ankle."""
+"""m, waist axis above the floor; test_stand_reaches_nothing measures what is left below the feet and hands."""
 
 HEADER = """\
 <!-- HOAP-2 hung by its torso on a stand: 25 joints move, nothing touches anything. This is where it babbles.
@@ -27,25 +29,33 @@ HEADER = """\
     <flag contact="disable"/>
   </option>
   <statistic center="0 0 0.4" extent="0.7"/>
+
+  <default>
+    <default class="stand">
+      <geom group="2" contype="0" conaffinity="0" rgba="0.35 0.36 0.38 1"/>
+    </default>
+  </default>
 """
 
 SURROUNDINGS = """\
     <light name="sun" type="directional" pos="1 1 3" dir="-0.3 -0.3 -1"/>
     <camera name="front" pos="1.1 -0.6 0.7" xyaxes="0.48 0.88 0 -0.25 0.14 0.96" fovy="40"/>
     <geom name="floor" type="plane" size="3 3 0.05" rgba="0.55 0.58 0.55 1"/>
-    <geom name="stand_foot" type="cylinder" size="0.12 0.008" pos="-0.22 0 0.008" group="2" rgba="0.35 0.36 0.38 1"/>
-    <geom name="stand_pole" type="capsule" size="0.012" fromto="-0.22 0 0 -0.22 0 0.54" group="2" rgba="0.35 0.36 0.38 1"/>
-    <geom name="stand_arm" type="capsule" size="0.01" fromto="-0.22 0 0.54 -0.13 0 0.54" group="2" rgba="0.35 0.36 0.38 1"/>
+    <body name="stand" pos="-0.22 0 0">
+      <geom name="stand_foot" class="stand" type="cylinder" size="0.12 0.008" pos="0 0 0.008"/>
+      <geom name="stand_pole" class="stand" type="capsule" size="0.012" fromto="0 0 0 0 0 0.54"/>
+      <geom name="stand_arm" class="stand" type="capsule" size="0.01" fromto="0 0 0.54 0.09 0 0.54"/>
+    </body>
 """
 
 
 def _replace(text: str, old: str, new: str) -> str:
     if text.count(old) != 1:
-        raise BodyError(f"hoap2.xml: {old!r} stands there {text.count(old)} times, once is needed to make the stand")
+        raise BodyError(f"hoap2.xml: {old.strip()!r} stands there {text.count(old)} times; the stand needs it once")
     return text.replace(old, new)
 
 
-def _posture(degrees: dict[str, float]) -> str:
+def _posture(degrees: Mapping[str, float]) -> str:
     return " ".join(f"{np.deg2rad(degrees.get(joint, 0.0)):.9g}" for joint in JOINTS)
 
 
