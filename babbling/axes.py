@@ -1,0 +1,121 @@
+"""Axes: discretised quantities, one grid per factor, with hard and soft assignment.
+
+The chapter (section 3.2) assumes discrete states and actions; bodies are continuous. An axis owns the way from the one
+to the other. *Soft* (linear) assignment shares a value between its two neighbouring grid points so that the mean is
+kept: it is the belief over discrete states that a sense leaves behind.
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from babbling.errors import BabblingError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+UNIT = 1 << 12
+"""Soft weights are integers, multiples of 1 / UNIT: their sums are exact, so counts merge exactly in any order."""
+
+
+class Soft(NamedTuple):
+    """A value between two grid points: `weight / UNIT` of it belongs to `lower + 1`, the rest to `lower`."""
+
+    lower: IntArray
+    """(..., F) lower grid point, 0 .. size - 2 (0 where the axis has one point)."""
+    weight: IntArray
+    """(..., F) share of the upper grid point, 0 .. UNIT."""
+    inside: NDArray[np.bool_]
+    """(..., F) False where the value fell off the axis (its assignment is then the nearest end)."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A discretised quantity: `size` evenly spaced grid points from `low` to `high`, for each of F factors.
+
+    A categorical axis (`Axis.categorical`) has labels, points 0, 1, 2, ... and only ever hard assignment.
+    """
+
+    name: str
+    unit: str
+    low: FloatArray
+    """(F,) first grid point of each factor."""
+    high: FloatArray
+    """(F,) last grid point of each factor."""
+    size: int
+    labels: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        low = np.atleast_1d(np.asarray(self.low, float)).copy()
+        high = np.atleast_1d(np.asarray(self.high, float)).copy()
+        if low.shape != high.shape or low.ndim != 1:
+            raise BabblingError(
+                f"axis {self.name!r}: low has shape {low.shape}, high {high.shape}; give one per factor"
+            )
+        if self.size < 2 and not self.labels:
+            raise BabblingError(f"axis {self.name!r}: {self.size} grid points; at least 2 are needed")
+        if not (np.isfinite(low).all() and np.isfinite(high).all()):
+            raise BabblingError(f"axis {self.name!r}: its range is not finite")
+        if not self.labels and not (high > low).all():
+            worst = int(np.argmin(high - low))
+            raise BabblingError(
+                f"axis {self.name!r}: factor {worst} has no extent ({low[worst]:g} to {high[worst]:g}); "
+                "low must lie below high"
+            )
+        for name, value in (("low", low), ("high", high)):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def categorical(cls, name: str, labels: tuple[str, ...], factors: int = 1) -> "Axis":
+        """Axis of named categories, the same for every factor."""
+        if len(set(labels)) != len(labels) or not labels:
+            raise BabblingError(f"axis {name!r}: categories must be distinct and at least one, got {labels}")
+        return cls(name, "category", np.zeros(factors), np.full(factors, len(labels) - 1.0), len(labels), labels)
+
+    @property
+    def factors(self) -> int:
+        """F, how many factors have a grid here."""
+        return int(self.low.size)
+
+    @property
+    def is_categorical(self) -> bool:
+        """Whether values are category numbers and assignment is hard."""
+        return bool(self.labels)
+
+    @property
+    def points(self) -> FloatArray:
+        """(F, size) grid points, in the axis' unit."""
+        points: FloatArray = np.linspace(self.low, self.high, self.size, axis=-1)
+        return points
+
+    @property
+    def step(self) -> FloatArray:
+        """(F,) distance between grid points, in the axis' unit (1 for categories)."""
+        return (self.high - self.low) / (self.size - 1) if not self.is_categorical else np.ones(self.factors)
+
+    def hard(self, values: ArrayLike) -> IntArray:
+        """(..., F) nearest grid point of (..., F) values; off the axis, the nearest end.
+
+        Raises:
+            BabblingError: a category that does not exist.
+        """
+        x = np.asarray(values, float)
+        index = np.rint((x - self.low) / self.step)
+        if self.is_categorical and not ((index >= 0) & (index < self.size) & (index == x)).all():
+            bad = x[(index < 0) | (index >= self.size) | (index != x)].flat[0]
+            raise BabblingError(
+                f"axis {self.name!r} has no category {bad:g}; it has 0 to {self.size - 1} {self.labels}"
+            )
+        clipped: IntArray = np.clip(index, 0, self.size - 1).astype(np.int64)
+        return clipped
+
+    def soft(self, values: ArrayLike) -> Soft:
+        """Linear assignment of (..., F) values: mean-preserving inside the axis, the nearest end beyond it."""
+        position = (np.asarray(values, float) - self.low) / self.step
+        inside = (position >= 0) & (position <= self.size - 1)
+        scaled = np.rint(np.clip(position, 0, self.size - 1) * UNIT).astype(np.int64)
+        index = np.minimum(scaled // UNIT, self.size - 2)
+        return Soft(index, scaled - index * UNIT, inside)

@@ -1,0 +1,89 @@
+"""Ways to explore: what a babbler does with its motors. One dict, one entry per way.
+
+An exploration is an endless stream of (B, M) motor commands, one per control tick; it never looks at the senses.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.errors import BabblingError, unknown
+
+
+@dataclass(frozen=True)
+class MotorRange:
+    """What a babbler knows of its motors when it sets out."""
+
+    low: FloatArray
+    """(M,) least useful command."""
+    high: FloatArray
+    """(M,) greatest useful command."""
+    rest: FloatArray
+    """(M,) command that keeps the body where it rests: where every exploration starts."""
+    speed: FloatArray
+    """(M,) fastest useful change, command units per second."""
+    jitter: FloatArray
+    """(M,) standard deviation of tick-to-tick noise on the command, command units."""
+
+
+SHORTEST_S, LONGEST_S = 0.2, 4.0
+"""Durations of a single move: shorter ones are jerks that no one would imitate, longer ones fill a bout."""
+
+Exploration = Callable[[MotorRange, int, float, np.random.Generator], Iterator[FloatArray]]
+"""(range, copies B, tick_s, rng) -> stream of (B, M) commands."""
+
+
+def smooth(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
+    """Minimum-jerk moves between random postures, peak speeds log-uniform over two decades up to the limit.
+
+    Law of a move from x0 to x1 of duration T, with r = t / T (Flash and Hogan 1985):
+    x = x0 + (x1 - x0)(10 r^3 - 15 r^4 + 6 r^5), peak speed 15/8 |x1 - x0| / T.
+    """
+    shape = (copies, len(motors.low))
+    low, high, top = (np.broadcast_to(v, shape) for v in (motors.low, motors.high, motors.speed))
+    start = np.broadcast_to(motors.rest, shape).copy()
+    goal, clock, duration = start.copy(), np.zeros(shape), np.zeros(shape)
+    while True:
+        done = clock >= duration
+        count = int(done.sum())
+        if count:
+            start[done] = goal[done]
+            goal[done] = low[done] + (high - low)[done] * rng.random(count)
+            speed = top[done] * 10.0 ** (-2.0 * rng.random(count))
+            longest = LONGEST_S * speed * 8 / 15  # a slow move across the whole range would fill the whole bout
+            goal[done] = np.clip(goal[done], start[done] - longest, start[done] + longest)
+            duration[done] = np.maximum(15 / 8 * np.abs(goal[done] - start[done]) / speed, SHORTEST_S)
+            clock[done] = 0.0
+        clock += tick_s
+        r = np.minimum(clock / duration, 1.0)
+        yield start + (goal - start) * r**3 * (10 - 15 * r + 6 * r * r) + motors.jitter * rng.standard_normal(shape)
+
+
+def uniform(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
+    """A fresh uniform command every tick: wandering, for bodies whose actions are single acts."""
+    shape = (copies, len(motors.low))
+    while True:
+        yield motors.low + (motors.high - motors.low) * rng.random(shape)
+
+
+def choices(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
+    """A fresh whole number in low .. high every tick: random acts out of a list (the chapter's maze wandering)."""
+    shape = (copies, len(motors.low))
+    while True:
+        yield rng.integers(motors.low.astype(int), motors.high.astype(int) + 1, shape).astype(float)
+
+
+EXPLORATION: dict[str, Exploration] = {"smooth": smooth, "uniform": uniform, "choices": choices}
+
+
+def exploration(name: str) -> Exploration:
+    """The exploration of this name.
+
+    Raises:
+        BabblingError: there is none.
+    """
+    if name not in EXPLORATION:
+        raise BabblingError(unknown("exploration", name, EXPLORATION))
+    return EXPLORATION[name]

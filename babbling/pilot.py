@@ -1,0 +1,119 @@
+"""The pilot: a short first babble that fixes, for good, everything the tables need before counting can start.
+
+Rest, move slowly over everything, babble a little. Found in that order: the noise of the senses, the body schema, the
+useful range of each motor, how the body coasts, the axes, and a linear-Gaussian account of posture and rate for the
+state estimate. A mind starts from two ranges (motors, senses) and a tick; it asks nothing else of its body.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import repeat
+
+import numpy as np
+
+from babbling.axes import Axis, FloatArray
+from babbling.body import Body
+from babbling.dynamics import LinearDynamics, fit_dynamics
+from babbling.exploration import MotorRange, smooth
+from babbling.forward_model import ForwardModel
+from babbling.loop import explore, flat
+from babbling.reading import Proprioception
+from babbling.schema import BodySchema, find_schema
+
+GRID = (15, 91, 91)
+"""Grid points of rate, action and outcome. With coasting taken out, rate matters little and needs few; action and
+outcome need as many as each other, so that one step of the one moves about one step of the other."""
+MARGIN, QUANTILE = 1.6, 0.9995
+"""Axes reach this many times the pilot's quantile: a fast movement must not fall off."""
+PRIOR_STRENGTH = 20.0
+"""Pseudo-counts of the linear-Gaussian prior."""
+JITTER = 0.0105
+"""Command noise while babbling, rad: about 0.6 degrees, so that actions vary at every speed."""
+SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 5.0
+ENDS = 0.05
+"""Share of a posture's range that babbling leaves free at either end."""
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """What the pilot found; a `babbling.loop.Babbler`."""
+
+    schema: BodySchema
+    motors: MotorRange
+    coasting: FloatArray
+    """(F,) s: displacement in one tick per unit of rate when told to stay."""
+    dynamics: LinearDynamics
+    rate: Axis
+    action: Axis
+    outcome: Axis
+    minutes: float
+    """Body time the pilot took."""
+
+    @property
+    def reading(self) -> Proprioception:
+        """How this mind reads its senses."""
+        return Proprioception(self.schema, self.coasting)
+
+    def forward_model(self) -> ForwardModel:
+        """An empty forward model on these axes, one factor per motor."""
+        labels = tuple(f"motor {f}" for f in range(self.rate.factors))
+        return ForwardModel((self.rate,), self.action, self.outcome, factors=labels, prior_strength=PRIOR_STRENGTH)
+
+    def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
+        """Smooth movements over the useful range."""
+        return smooth(self.motors, body.copies, body.tick_s, rng)
+
+
+def pilot(body: Body, seed: int) -> Pilot:
+    """Find out what there is to move and to feel.
+
+    Raises:
+        BabblingError: a motor that moves nothing that is felt.
+    """
+    tick = body.tick_s
+    middle = (body.motor_low + body.motor_high) / 2
+    _, resting = explore(body, repeat(np.tile(middle, (body.copies, 1))), round((SETTLE_S + REST_S) / tick))
+    everything = MotorRange(body.motor_low, body.motor_high, middle, (body.motor_high - body.motor_low) / 4, 0 * middle)
+    stream = smooth(everything, body.copies, tick, np.random.default_rng([seed, 1]))
+    motors, senses = explore(body, stream, round(WIRING_S / tick))
+    settled = round(SETTLE_S / tick)
+    schema = find_schema(
+        motors[settled:], senses[settled + 1 :], resting[settled:], body.sense_low, body.sense_high, tick
+    )
+    span = motor_range(schema, body)
+    stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
+    motors, senses = explore(body, stream, round(PILOT_S / tick))
+    dynamics = fit_dynamics(schema, motors, senses)
+    coasting = dynamics.coasting
+    seen = Proprioception(schema, coasting).transitions(*flat(motors, senses))
+    rate, action, outcome = (
+        _symmetric(name, unit, values, size)
+        for name, unit, values, size in zip(
+            ("rate", "action", "outcome"),
+            ("rad/s", "rad", "rad"),
+            (seen.context[0], seen.action, seen.outcome),
+            GRID,
+            strict=True,
+        )
+    )
+    minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
+    return Pilot(schema, span, coasting, dynamics, rate, action, outcome, minutes)
+
+
+def motor_range(schema: BodySchema, body: Body) -> MotorRange:
+    """Commands whose postures lie within the posture senses' ranges, a little away from their ends."""
+    low, high = body.sense_low[schema.posture], body.sense_high[schema.posture]
+    ends = np.stack([schema.motors(low + ENDS * (high - low)), schema.motors(high - ENDS * (high - low))])
+    per_unit = np.abs(schema.slope)
+    return MotorRange(
+        low=np.maximum(ends.min(0), body.motor_low),
+        high=np.minimum(ends.max(0), body.motor_high),
+        rest=schema.motors(body.reset()[:, schema.posture].mean(0)),
+        speed=body.sense_high[schema.rate] / per_unit,
+        jitter=JITTER / per_unit,
+    )
+
+
+def _symmetric(name: str, unit: str, values: FloatArray, size: int) -> Axis:
+    reach = MARGIN * np.quantile(np.abs(values), QUANTILE, axis=0)
+    return Axis(name, unit, -reach, reach, size)

@@ -1,0 +1,134 @@
+"""The body schema: which motor moves which sense, found by babbling alone (chapter, section 2.1; Figure 9).
+
+A mind that has a motor vector and a sense vector, and knows neither, moves everything at random and asks of every pair
+how much one tells about the other (mutual information). The sense that knows most about a motor is its *posture*
+sense; the sense that follows the changes of that posture is its *rate* sense. A line through posture against command
+gives the efference copy: what posture a command asks for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from babbling.axes import FloatArray, IntArray
+from babbling.errors import BabblingError
+
+BINS = 12
+
+
+@dataclass(frozen=True)
+class BodySchema:
+    """Factor f = motor f: its senses, its efference copy, its noise."""
+
+    posture: IntArray
+    """(F,) sense line that motor f moves."""
+    rate: IntArray
+    """(F,) sense line that reports how fast it moves."""
+    offset: FloatArray
+    """(F,) posture that command 0 asks for, sense units."""
+    slope: FloatArray
+    """(F,) posture per unit of command: commanded posture = offset + slope * motor."""
+    noise: FloatArray
+    """(F,) standard deviation of the posture sense at rest."""
+    rate_noise: FloatArray
+    """(F,) standard deviation of the rate sense at rest."""
+    information: FloatArray
+    """(M, S) mutual information of motor and sense, bits: the picture of the body schema."""
+
+    def efference(self, motors: FloatArray) -> FloatArray:
+        """(..., F) postures that (..., F) commands ask for."""
+        postures: FloatArray = self.offset + self.slope * motors
+        return postures
+
+    def motors(self, postures: FloatArray) -> FloatArray:
+        """Inverse of `efference`."""
+        motors: FloatArray = (postures - self.offset) / self.slope
+        return motors
+
+
+def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatArray:
+    """I(X_i; Y_j) = sum p log2 p / (p p) of quantile-binned columns, minus its bias under independence.
+
+    Args:
+        x, y: (N, I) and (N, J) samples.
+        bins: bins per variable, equally filled.
+
+    Returns:
+        (I, J) bits, at least 0; the first-order bias (bins - 1)^2 / (2 N ln 2) (Miller 1955) is taken off.
+    """
+
+    def ranked(v: FloatArray) -> IntArray:
+        cuts = np.quantile(v, np.arange(1, bins) / bins, axis=0)
+        return np.stack([np.searchsorted(cuts[:, i], v[:, i], side="right") for i in range(v.shape[1])], 1)
+
+    a, b = ranked(x), ranked(y)
+    result = np.zeros((x.shape[1], y.shape[1]))
+    for i in range(x.shape[1]):
+        for j in range(y.shape[1]):
+            p = np.bincount(a[:, i] * bins + b[:, j], minlength=bins * bins).reshape(bins, bins) / len(x)
+            independent = p.sum(1, keepdims=True) * p.sum(0, keepdims=True)
+            seen = p > 0
+            result[i, j] = (p[seen] * np.log2(p[seen] / independent[seen])).sum()
+    return np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0)
+
+
+def find_schema(
+    motors: FloatArray, senses: FloatArray, resting: FloatArray, low: FloatArray, high: FloatArray, tick_s: float
+) -> BodySchema:
+    """Body schema from a slow babble and a moment of rest.
+
+    Args:
+        motors: (T, B, M) commands.
+        senses: (T, B, S) sensations at the end of each tick.
+        resting: (R, B, S) sensations while nothing moves.
+        low, high: (S,) ranges of the senses.
+        tick_s: control tick.
+
+    Raises:
+        BabblingError: a motor that moves nothing that is felt.
+    """
+    m, s = motors.reshape(-1, motors.shape[-1]), senses.reshape(-1, senses.shape[-1])
+    change = np.diff(senses, axis=0) / tick_s
+    information = mutual_information(m, s)
+    rows, posture = linear_sum_assignment(-information)
+    if len(rows) < m.shape[1]:
+        raise BabblingError(f"{m.shape[1]} motors but only {s.shape[1]} senses: each motor needs a sense that it moves")
+    weak = information[rows, posture] < 0.1
+    if weak.any():
+        raise BabblingError(f"motor {int(np.argmax(weak))} moves nothing that is felt (under 0.1 bit with every sense)")
+    # the rate sense: among the others, the one that goes with the posture's own change
+    change = change.reshape(-1, change.shape[-1])[:, posture]
+    level = senses[1:].reshape(-1, senses.shape[-1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        follow = ((change - change.mean(0)).T @ (level - level.mean(0))) / (
+            len(level) * np.outer(change.std(0), level.std(0))
+        )
+    follow = np.nan_to_num(follow)
+    follow[:, posture] = -1
+    _, rate = linear_sum_assignment(-follow)
+    offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
+    noise = resting.std(axis=0).mean(0)
+    return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
+
+
+def _efference(
+    motors: FloatArray, postures: FloatArray, rates: FloatArray, low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """posture = offset + slope motor - lag rate, by least squares where the posture is away from its ends.
+
+    Samples that a first fit misses by far are cut commands (beyond what the drive accepts) and are left out.
+    """
+    offset, slope = np.zeros(motors.shape[1]), np.zeros(motors.shape[1])
+    for f in range(motors.shape[1]):
+        room = 0.06 * (high[f] - low[f])
+        keep = (postures[:, f] > low[f] + room) & (postures[:, f] < high[f] - room)
+        design = np.stack([np.ones(len(motors)), motors[:, f], rates[:, f]], 1)
+        for _ in range(4):
+            if keep.sum() < 10:
+                raise BabblingError(f"motor {f}: its posture sense never leaves the ends of its range")
+            beta = np.linalg.lstsq(design[keep], postures[keep, f], rcond=None)[0]
+            miss = np.abs(postures[:, f] - design @ beta)
+            keep &= miss <= 3 * np.sqrt(np.mean(miss[keep] ** 2))
+        offset[f], slope[f] = beta[0], beta[1]
+    return offset, slope

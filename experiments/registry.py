@@ -1,0 +1,38 @@
+"""Every experiment, by name. A newcomer adds one line here and gets the command line and the conformance tests."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
+
+from experiments.experiment import ExperimentError
+from models.errors import unknown
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One experiment: where it lives and what it does, in a line."""
+
+    module: str
+    line: str
+
+    def load(self) -> ModuleType:
+        """The module, imported only when it is wanted: help must not wait for physics."""
+        return import_module(f"experiments.{self.module}")
+
+
+EXPERIMENTS: dict[str, Entry] = {
+    "gesture": Entry("gesture", "HOAP-2 babbles, watches a movement and reproduces it by Bayesian action selection"),
+    "babble": Entry("babble", "a robot babbles and leaves its forward model in a file; interrupted, it goes on"),
+    "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
+}
+
+
+def entry(name: str) -> Entry:
+    """The experiment of this name.
+
+    Raises:
+        ExperimentError: there is none.
+    """
+    if name not in EXPERIMENTS:
+        raise ExperimentError(unknown("experiment", name, EXPERIMENTS))
+    return EXPERIMENTS[name]

@@ -1,0 +1,111 @@
+"""Eq. (1) and Eq. (2) of the chapter: the forward model turned round to choose actions, and once more to infer goals.
+
+Both are written on arrays with any leading dimensions; they know no body and no table. Nothing is smoothed away: where
+every action (or goal) is impossible the posterior is 0/0, its row is zero, `informed` is False and the caller must
+name what it does instead.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from babbling.axes import FloatArray
+from imitation.errors import ImitationError
+
+
+class ActionPosterior(NamedTuple):
+    """P(a_t = A_i | s_t, s_{t+1}, s_G): the inverse model, with what it knows about itself."""
+
+    probability: FloatArray
+    """(..., A) sums to 1 where informed, all zeros where not."""
+    evidence: FloatArray
+    """(...) P(s_{t+1} | s_t, s_G) = sum_m P(s_{t+1} | s_t, A_m) P(A_m | s_t, s_G), the 1/c of Eq. (1)."""
+    entropy: FloatArray
+    """(...) -sum_i p_i log2 p_i, bits; 0 where uninformed."""
+    informed: NDArray[np.bool_]
+    """(...) False where the evidence is zero."""
+
+
+class GoalPosterior(NamedTuple):
+    """P(s_G = S_k | a_t, s_t, s_{t+1}) of Eq. (2)."""
+
+    probability: FloatArray
+    """(..., G) sums to 1 where informed, all zeros where not."""
+    evidence: FloatArray
+    """(...) the normaliser 1/k_3."""
+    entropy: FloatArray
+    """(...) bits; 0 where uninformed."""
+    informed: NDArray[np.bool_]
+    """(...) False where no goal explains what was seen."""
+
+
+def action_posterior(likelihood: ArrayLike, prior: ArrayLike | None = None) -> ActionPosterior:
+    """Eq. (1): P(a | s, s', g) = c P(s' | s, a) P(a | s, g).
+
+    Args:
+        likelihood: (..., A) P(s' = sub-goal | s, a) for every action: a row of the forward model, read backwards
+            (`ForwardModel.likelihood`).
+        prior: (..., A) P(a | s, g), broadcast against the likelihood; None is uniform. Only proportions within a row
+            matter to the posterior; the evidence takes the prior as given, so it should sum to one.
+
+    Raises:
+        ImitationError: a negative or non-finite probability.
+    """
+    likely = _checked("likelihood", likelihood)
+    actions = likely.shape[-1]
+    weight = np.full(actions, 1.0 / actions) if prior is None else _checked("prior over actions", prior)
+    return ActionPosterior(*_normalised(likely * weight))
+
+
+def goal_posterior(
+    likelihood: ArrayLike, action_prior: ArrayLike, goal_prior: ArrayLike, state_given_goal: ArrayLike | None = None
+) -> GoalPosterior:
+    """Eq. (2): P(g | a, s, s') = k P(s' | s, a, g) P(a | g, s) P(s | g) P(g).
+
+    Args:
+        likelihood: (..., 1) or (..., G) P(s' | s, a, g); the forward model does not depend on the goal, so an observed
+            action gives one number per row and it cancels. With an unobserved action use `goal_posterior_unobserved`.
+        action_prior: (..., G) P(a | s, g) of the action that was seen.
+        goal_prior: (..., G) P(g), or the posterior of the step before (a filter over time).
+        state_given_goal: (..., G) P(s | g); None leaves the factor out (1 for every goal). A filter uses it once.
+    """
+    weight = _checked("likelihood", likelihood) * _checked("prior over actions", action_prior)
+    weight = weight * _checked("prior over goals", goal_prior)
+    if state_given_goal is not None:
+        weight = weight * _checked("P(state | goal)", state_given_goal)
+    return GoalPosterior(*_normalised(weight))
+
+
+def goal_posterior_unobserved(
+    likelihood: ArrayLike, action_prior: ArrayLike, goal_prior: ArrayLike, state_given_goal: ArrayLike | None = None
+) -> GoalPosterior:
+    """Eq. (2) with the action marginalised: P(g | s, s') = k sum_a P(s' | s, a) P(a | g, s) P(s | g) P(g).
+
+    Args:
+        likelihood: (..., A) P(s' | s, a) of what was seen, for every action.
+        action_prior: (..., G, A) P(a | s, g).
+        goal_prior: (..., G).
+        state_given_goal: (..., G) or None.
+    """
+    likely = _checked("likelihood", likelihood)
+    seen = (likely[..., None, :] * _checked("prior over actions", action_prior)).sum(-1)
+    return goal_posterior(np.ones((*seen.shape[:-1], 1)), seen, goal_prior, state_given_goal)
+
+
+def _checked(name: str, values: ArrayLike) -> FloatArray:
+    array = np.asarray(values, float)
+    if not (array >= 0).all() or not np.isfinite(array).all():
+        bad = array[~((array >= 0) & np.isfinite(array))].flat[0]
+        raise ImitationError(f"{name}: {bad:g} is not a probability; all entries must be finite and at least 0")
+    return array
+
+
+def _normalised(joint: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+    evidence: FloatArray = joint.sum(-1)
+    informed = evidence > 0
+    probability = np.zeros_like(joint)
+    np.divide(joint, evidence[..., None], out=probability, where=informed[..., None])
+    logs = np.zeros_like(probability)
+    np.log2(probability, out=logs, where=probability > 0)
+    return probability, evidence, -(probability * logs).sum(-1), informed

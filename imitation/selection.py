@@ -1,0 +1,85 @@
+"""Selection rules: one action out of a posterior (chapter, section 3.2), beside each other.
+
+MAP takes the most probable action, probability matching draws one, the posterior mean minimises the expected squared
+error. On a categorical axis they return a category number; on a measured axis a value between grid points.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import Axis, FloatArray
+from babbling.errors import unknown
+from imitation.errors import ImitationError
+
+Rule = Callable[[FloatArray, Axis, np.random.Generator], FloatArray]
+"""(..., F, A) posterior, the action axis, randomness -> (..., F) actions in the axis' unit (category numbers)."""
+
+
+def select_mean(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
+    """E[a] = sum_i p_i A_i; refuses categories, which have no mean.
+
+    Raises:
+        ImitationError: the axis is categorical.
+    """
+    if axis.is_categorical:
+        raise ImitationError(
+            f"selection 'mean': actions {axis.labels} are categories and have no mean; use map or matching"
+        )
+    mean: FloatArray = (probability * axis.points).sum(-1)
+    return mean
+
+
+def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
+    """argmax_i p_i; ties are broken by the generator. On a measured axis the peak of the parabola through the logs of
+    the best grid point and its two neighbours: the maximum of the density whose knots the grid holds.
+    """
+    best = _argmax(probability, rng)
+    if axis.is_categorical:
+        return best.astype(float)
+    inner = np.clip(best, 1, axis.size - 2)
+    with np.errstate(divide="ignore"):
+        left, top, right = (
+            np.log(np.take_along_axis(probability, (inner + k)[..., None], -1)[..., 0]) for k in (-1, 0, 1)
+        )
+    with np.errstate(invalid="ignore"):
+        curvature = left - 2 * top + right
+        shift = (left - right) / (2 * curvature)
+    usable = (inner == best) & np.isfinite(shift) & (curvature < 0)
+    action: FloatArray = axis.low + (best + np.where(usable, np.clip(shift, -0.5, 0.5), 0.0)) * axis.step
+    return action
+
+
+def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
+    """Draw i with probability p_i; on a measured axis, then a place under grid point i's hat."""
+    threshold = rng.random((*probability.shape[:-1], 1))
+    drawn = np.minimum(
+        (np.cumsum(probability, -1) <= threshold * probability.sum(-1, keepdims=True)).sum(-1), axis.size - 1
+    )
+    if axis.is_categorical:
+        return drawn.astype(float)
+    place = drawn + rng.triangular(-1.0, 0.0, 1.0, drawn.shape)
+    action: FloatArray = axis.low + np.clip(place, 0, axis.size - 1) * axis.step
+    return action
+
+
+def _argmax(probability: FloatArray, rng: np.random.Generator) -> NDArray[np.int64]:
+    ties = probability >= probability.max(-1, keepdims=True)
+    tied = (ties.sum(-1) > 1).any()  # the generator is asked only where it decides
+    best: NDArray[np.int64] = (np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1)
+    return best
+
+
+SELECTION: dict[str, Rule] = {"mean": select_mean, "map": select_map, "matching": select_matching}
+
+
+def selection_rule(name: str) -> Rule:
+    """The rule of this name.
+
+    Raises:
+        ImitationError: there is none.
+    """
+    if name not in SELECTION:
+        raise ImitationError(unknown("selection", name, SELECTION))
+    return SELECTION[name]

@@ -1,0 +1,186 @@
+"""A simulated body: many copies of one MJCF on `mujoco.batch`, motor lines in, sense lines out.
+
+The mind on the other side sees a motor vector in [-1, 1]^M and a sense vector, and nothing else. Senses are those of
+servo drives: for every motor its joint's angle (an encoder that counts pulses) and its speed (the drive's tachometer).
+"""
+
+import hashlib
+from dataclasses import dataclass
+
+import mujoco
+import mujoco.batch
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import BodyError
+from models.wiring import Wiring
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Wear:
+    """What years do to a servo."""
+
+    friction_factor: float = 1.0
+    """Multiplies every joint's dry friction (stiction)."""
+    backlash: float = 0.0
+    """Play of the gear, rad: the joint follows its motor's angle as a play (hysteresis) operator of this width."""
+
+
+class SimulatedBody:
+    """`copies` bodies of one compiled model, stepped together; see `babbling.body.Body` for what it offers.
+
+    Args:
+        model: compiled MJCF whose actuators are position servos on single joints (see `models.loading`).
+        copies: how many bodies.
+        threads: worker threads (results do not depend on it).
+        tick_s: control tick; an integer number of physics steps.
+        home: keyframe name to rest at, or None for the zero posture.
+        noise: standard deviation of the angle sense, rad. The speed sense gets sqrt(2) noise / tick_s, as if the
+            drive differenced two such readings.
+        wear: worn gears.
+        scramble: seed of an unknown wiring, or None for straight.
+        seed: randomness of the sensor noise.
+
+    Raises:
+        BodyError: a control tick that is no whole number of physics steps.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        *,
+        name: str,
+        copies: int = 1,
+        threads: int = 2,
+        tick_s: float = 0.02,
+        home: str | None = None,
+        noise: float = 0.0,
+        wear: Wear | None = None,
+        scramble: int | None = None,
+        seed: int = 0,
+    ) -> None:
+        self.name, self.tick_s, self.noise = name, tick_s, noise
+        self.wear = wear or Wear()
+        steps = tick_s / model.opt.timestep
+        self.substeps = round(steps)
+        if abs(steps - self.substeps) > 1e-9 or self.substeps < 1:
+            raise BodyError(
+                f"{name}: a control tick of {tick_s:g} s is {steps:g} physics steps of {model.opt.timestep:g} s; "
+                "it must be a whole number"
+            )
+        self.model = model
+        model.dof_frictionloss[:] *= self.wear.friction_factor
+        joints = model.actuator_trnid[:, 0]
+        self.joints = tuple(model.joint(j).name for j in joints)
+        self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        self.joint_range: FloatArray = model.jnt_range[joints].copy()
+        control: FloatArray = model.actuator_ctrlrange.copy()
+        self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
+        self.pulses_per_rad = np.rad2deg(_numeric(model, "encoder_pulses_per_degree", 0.0))
+        self._key = model.key(home).id if home else -1
+        motors, senses = model.nu, 2 * model.nu
+        self.wiring = (
+            Wiring.straight(motors, senses) if scramble is None else Wiring.scrambled(motors, senses, scramble)
+        )
+        speed = np.full(motors, _numeric(model, "speed_limit", 5.0))
+        low = np.concatenate([self.joint_range[:, 0], -speed])[self.wiring.sense]
+        high = np.concatenate([self.joint_range[:, 1], speed])[self.wiring.sense]
+        self.sense_low, self.sense_high = low, high
+        self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
+        self.batch = mujoco.batch.Batch(model, copies, threads)
+        self._played = np.zeros((copies, motors))
+        self._rng = np.random.default_rng([seed, 0xB0D7])
+        self.time = 0.0
+        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s)
+        self.reset()
+
+    @property
+    def copies(self) -> int:
+        """B, how many bodies there are."""
+        return int(self.batch.nsim)
+
+    def reset(self) -> FloatArray:
+        """All copies to the rest posture, their servos holding it; returns (B, S) sensations."""
+        self.batch.reset(keyframe=self._key)
+        if self._key < 0:
+            self.batch.ctrl[:] = np.clip(self.joint_angles, self._centre - self._half, self._centre + self._half)
+        self._played[:] = self.batch.ctrl
+        self.time = 0.0
+        return self._feel()
+
+    def act(self, motors: FloatArray) -> FloatArray:
+        """Hold (B, M) motor lines for one tick; returns (B, S) sensations.
+
+        Raises:
+            BodyError: the physics became unstable (which joint, when) or a command is not a number.
+        """
+        if not np.isfinite(motors).all():
+            raise BodyError(f"{self.name}: a motor command is not a number at {self.time:.2f} s")
+        command = self._centre + self._half * self.wiring.fractions(np.asarray(motors, float))
+        play = self.wear.backlash / 2
+        np.clip(self._played, command - play, command + play, out=self._played)
+        self.batch.ctrl[:] = self._played
+        warnings = self.batch.warning.copy()
+        self.batch.step(nstep=self.substeps)
+        self.time += self.tick_s
+        self._check(self.batch.warning - warnings)
+        return self._feel()
+
+    @property
+    def joint_angles(self) -> FloatArray:
+        """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
+        angles: FloatArray = self.batch.qpos[:, self._qpos]
+        return angles
+
+    def command_angles(self, angles: FloatArray) -> FloatArray:
+        """Motor lines that command these joint angles (..., M): what a replay that knows the wiring sends."""
+        return self.wiring.lines(np.clip((angles - self._centre) / self._half, -1, 1))
+
+    def sensations(self, angles: FloatArray) -> FloatArray:
+        """(..., S) sense lines as they would read at joint angles (..., M); speeds are NaN (not seen)."""
+        both = np.concatenate([angles, np.full_like(angles, np.nan)], axis=-1)
+        return both[..., self.wiring.sense]
+
+    def _feel(self) -> FloatArray:
+        angle, speed = self.joint_angles, self.batch.qvel[:, self._dof]
+        if self.noise > 0:
+            angle = angle + self.noise * self._rng.standard_normal(angle.shape)
+            speed = speed + np.sqrt(2) * self.noise / self.tick_s * self._rng.standard_normal(angle.shape)
+        if self.pulses_per_rad > 0:
+            angle = np.rint(angle * self.pulses_per_rad) / self.pulses_per_rad
+        return np.concatenate([angle, speed], axis=-1)[:, self.wiring.sense]
+
+    def _check(self, warnings: NDArray[np.int32]) -> None:
+        finite = np.isfinite(self.batch.qpos).all()
+        if finite and not warnings.any():
+            return
+        if not finite:
+            dof = int(np.argwhere(~np.isfinite(self.batch.qvel).all(0))[0, 0])
+        else:
+            copy = int(np.argwhere(warnings.any(1))[0, 0])
+            dof = int(np.argmax(np.abs(self.batch.get_data(copy).qvel)))
+        joint = self.model.joint(int(self.model.dof_jntid[dof])).name
+        raise BodyError(
+            f"{self.name}: the physics became unstable at joint {joint!r} after {self.time:.2f} s; "
+            "lower its actuator's gain, raise its damping or armature, or take a smaller timestep"
+        )
+
+
+def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
+    identity = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
+    return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])
+
+
+def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float) -> str:
+    digest = hashlib.sha256()
+    for part in (
+        model.names, model.body_parentid, model.body_pos, model.body_quat, model.body_mass, model.body_inertia,
+        model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
+        model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
+        wiring.motor, wiring.gain, wiring.offset, wiring.sense,
+        np.array([wear.backlash, tick_s, model.opt.timestep]),
+    ):  # fmt: skip
+        digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
+    return digest.hexdigest()[:16]
