@@ -11,7 +11,8 @@ class Segment:
     """A body part's direction: the unit vector `axis` in the frame of the body that `joint` moves.
 
     weight: what a squared error of this part counts against the others of its limb. A part nearer the torso counts a
-    hundred times more than the next one out: what the shoulder does wrong, everything beyond it inherits.
+    hundred times more than the next one out: what the shoulder does wrong, everything beyond it inherits. The foot
+    counts least: the ankle cannot turn it sideways, and the hip may do so only while the knee is straight.
     """
 
     part: str
@@ -50,7 +51,7 @@ def _leg(side: str) -> Limb:
         (
             Segment(f"{side}_thigh", f"{joint}3", (0, 0, -1)),
             Segment(f"{side}_shank", f"{joint}4", (0, 0, -1), 1e-2),
-            Segment(f"{side}_foot", f"{joint}6", (1, 0, 0), 1e-4),
+            Segment(f"{side}_foot", f"{joint}6", (1, 0, 0), 1e-5),
         ),
         hangs_from="body_joint_1",
     )

@@ -36,14 +36,14 @@ class Retargeted:
     error_deg: seen part -> (T,) degrees between the teacher's direction and HOAP-2's.
     reachable: seen part -> (T,) whether inverse kinematics alone comes within REACHABLE_DEG.
     moved_deg: seen part -> (T,) degrees by which smoothing and speed limits moved the direction.
-    hurried: (T,) frames near which a joint works at its speed limit, so that directions come late.
+    hurried: seen part -> (T,) whether a joint of its limb works at its speed limit nearby, so that it comes late.
     """
 
     trajectory: JointTrajectory
     error_deg: Mapping[str, Array]
     reachable: Mapping[str, NDArray[np.bool_]]
     moved_deg: Mapping[str, Array]
-    hurried: NDArray[np.bool_]
+    hurried: Mapping[str, NDArray[np.bool_]]
 
     @property
     def reachable_error_deg(self) -> Array:
@@ -74,8 +74,7 @@ def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
     }
     names = joints()
     angles = np.deg2rad(np.tile([REST_DEG.get(joint, 0.0) for joint in names], (len(time), 1)))
-    reachable, moved = {}, {}
-    hurried = np.zeros(len(time), dtype=bool)
+    reachable, moved, hurried = {}, {}, {}
     for limb in LIMBS.values():
         segments = [segment for segment in limb.segments if segment.part in wanted]
         if not segments:
@@ -94,10 +93,10 @@ def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
         speed = np.array([SPEED_LIMIT[joint_class(joint)] for joint in limb.joints])
         smoothed = smooth(own, single, np.sqrt(weights), near, rest, speed, dt)
         angles[:, columns] = smoothed.angles
-        hurried |= smoothed.hurried
         away = _degrees_between(own.directions(smoothed.angles)[0], shown)
         for number, segment in enumerate(segments):
             reachable[segment.part], moved[segment.part] = near[:, number], away[:, number]
+            hurried[segment.part] = smoothed.hurried
     trajectory = JointTrajectory(performance.name, time, names, angles)
     final = hoap2_directions(trajectory)
     return Retargeted(
@@ -105,7 +104,7 @@ def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
         MappingProxyType({part: _degrees_between(final[part], wanted[part]) for part in reachable}),
         MappingProxyType(reachable),
         MappingProxyType(moved),
-        hurried,
+        MappingProxyType(hurried),
     )
 
 

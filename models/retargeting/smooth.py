@@ -22,16 +22,20 @@ from scipy.linalg import solveh_banded
 from models.retargeting.chain import Chain
 
 Array = NDArray[np.float64]
-CUT_OFF_HZ = 6.0
+CUT_OFF_HZ = 8.0
 """Human limbs move below this; noise of motion capture and of corners at joint stops lies above."""
-TUBE = np.deg2rad(0.7)
-"""A reachable direction that smoothing moved further than this is held harder (the promise is 1 deg)."""
+TUBE = np.deg2rad(0.8)
+"""Reachable directions are held as hard as it takes to stay about this near."""
+PROMISE = np.deg2rad(0.95)
+"""No reachable direction is left further away than this, unless a joint is at its speed limit."""
 SPEED_SHARE = 0.96
 """Share of the speed limit that is used; the rest is for what happens between samples."""
 REST = 1e-6
+OUT_OF_REACH = 0.1
+"""What directions count that are out of reach anyway, against those that are not."""
 REACH = 5
 """Frames before and after a joint at its speed limit in which directions may come early or late."""
-ROUNDS = 16
+ROUNDS = 30
 STEPS = 12
 
 
@@ -52,7 +56,8 @@ def smooth(
     stay within a degree; speed (n,): limits in rad/s; dt: seconds per frame.
     """
     found, _ = chain.directions(start)
-    hold = np.tile(weights, (len(start), 1))
+    least = weights * np.where(holding, 1.0, OUT_OF_REACH)
+    hold = least
     bending = (2 * np.sin(np.pi * CUT_OFF_HZ * dt)) ** -6
     step_limit = SPEED_SHARE * speed * dt
     angles, brake = start, 1.0
@@ -64,10 +69,11 @@ def smooth(
         fast = (excess > -1e-3).any(axis=1)
         hurried[1:] |= fast
         hurried[:-1] |= fast
-        loose = (away > TUBE) & holding & ~_widened(hurried, REACH)[:, None]
-        if excess.max() < 0.01 and not loose.any():
+        held = holding & ~_widened(hurried, REACH)[:, None]
+        if excess.max() < 0.01 and away[held].max(initial=0) < PROMISE:
             break
-        hold[_widened(loose, 1)] *= 3
+        hold[held] *= away[held] / TUBE
+        hold = np.maximum(hold, least)
         if excess.max() >= 0.01:
             brake *= 5
     return Smoothed(_within_speed(angles, step_limit), _widened(hurried, REACH))

@@ -2,7 +2,9 @@
 
 For each frame, min over q of sum_s w_s |direction_s(q) - wanted_s|^2 + e |q - rest|^2 within the joint ranges, by
 Levenberg-Marquardt with the joints that lean on their stops held there (projected Newton; Bertsekas 1982).
-All frames are solved together; frames that end away from their target try again from other postures.
+All frames are solved together; frames that end away from their target try again from other postures. Such frames have
+several optima about as good (a leg lifted too high can lean either way), and the path through them that jumps least
+is taken.
 """
 
 import numpy as np
@@ -13,30 +15,51 @@ from models.retargeting.chain import Chain
 Array = NDArray[np.float64]
 REST = 1e-8
 """e: pull towards rest, only felt where a joint changes no direction (a twist of a straight arm)."""
-STEPS = 40
+JUMP = 0.5
+"""What a squared jump between frames (rad^2) counts against a weighted squared error."""
+STEPS = 25
+TOLERANCE = 1e-5
+"""Smallest relative gain for which a frame goes on."""
 GOOD_ENOUGH = 1e-4
 """Weighted squared error above which a frame tries other starts (about half a degree of the outermost part)."""
-STARTS = (0.1, 0.35, 0.65, 0.9)
+STARTS = (0.2, 0.5, 0.8)
 """Other starts: every joint at this share of its range, alternately counted from the other end."""
 
 
 def solve(chain: Chain, wanted: Array, weights: Array, rest: Array) -> Array:
     """Postures (T, n) for wanted directions (T, S, 3); weights (S,) of the squared errors; rest (n,) radians."""
-    start = np.clip(rest, chain.low, chain.high)
-    best, cost = _descend(chain, wanted, weights, rest, np.tile(start, (len(wanted), 1)))
-    for start in _other_starts(chain):
-        off = np.flatnonzero(cost > GOOD_ENOUGH * weights.min())
-        if not len(off):
-            break
-        tried, tried_cost = _descend(chain, wanted[off], weights, rest, np.tile(start, (len(off), 1)))
-        better = tried_cost < cost[off] * (1 - 1e-3)
-        best[off[better]], cost[off[better]] = tried[better], tried_cost[better]
-    return best
+    first = np.tile(np.clip(rest, chain.low, chain.high), (len(wanted), 1))
+    angles, cost = _descend(chain, wanted, weights, rest, first)
+    off = np.flatnonzero(cost > GOOD_ENOUGH * weights.min())
+    found, costs = [angles], [cost]
+    for start in _other_starts(chain) if len(off) else []:
+        angles, cost = found[0].copy(), np.full(len(wanted), np.inf)
+        angles[off], cost[off] = _descend(chain, wanted[off], weights, rest, np.tile(start, (len(off), 1)))
+        found.append(angles)
+        costs.append(cost)
+    return _smoothest(np.array(found), np.array(costs))
+
+
+def _smoothest(found: Array, costs: Array) -> Array:
+    """Through one of K postures per frame, (K, T, n) at costs (K, T), the path of least cost + JUMP |change|^2."""
+    total = costs[:, 0]
+    came_from = np.zeros(costs.shape, dtype=int)
+    for frame in range(1, costs.shape[1]):
+        change = ((found[None, :, frame] - found[:, None, frame - 1]) ** 2).sum(axis=2)
+        ways = total[:, None] + JUMP * change
+        came_from[:, frame] = ways.argmin(axis=0)
+        total = ways.min(axis=0) + costs[:, frame]
+    path = np.empty(costs.shape[1], dtype=int)
+    path[-1] = total.argmin()
+    for frame in range(costs.shape[1] - 1, 0, -1):
+        path[frame - 1] = came_from[path[frame], frame]
+    return np.asarray(found[path, np.arange(costs.shape[1])])
 
 
 def _other_starts(chain: Chain) -> list[Array]:
     odd = np.arange(len(chain.low)) % 2 == 1
-    shares = [np.where(odd, 1 - share, share) for share in STARTS] + [np.full(len(odd), s) for s in STARTS]
+    shares = [np.where(odd, 1 - share, share) for share in STARTS]
+    shares += [np.full(len(odd), share) for share in STARTS if share != 0.5]
     return [chain.low + share * (chain.high - chain.low) for share in shares]
 
 
@@ -76,7 +99,7 @@ def _descend(chain: Chain, wanted: Array, weights: Array, rest: Array, angles: A
         residual[moved], slope[moved] = found[1][better], found[2][better]
         damping[active] *= np.where(better, 0.2, 6)
         going = np.ones(len(active), dtype=bool)
-        going[better] = drop > 1e-12 * weights.min()
+        going[better] = drop > TOLERANCE * cost[moved]
         going &= damping[active] < 1e8
         active = active[going]
         if not len(active):
