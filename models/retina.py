@@ -68,7 +68,9 @@ def camera_id(model: mujoco.MjModel, name: str) -> int:
     """The camera called `name`; raises `BodyError` for a scene without it."""
     names = [model.camera(i).name for i in range(model.ncam)]
     if not names:
-        raise BodyError(f"no camera {name!r}: this scene has no cameras at all; a body that sees needs <camera name=...>")
+        raise BodyError(
+            f"no camera {name!r}: this scene has no cameras at all; a body that sees needs <camera name=...>"
+        )
     if name not in names:
         raise BodyError(unknown("camera", name, names))
     return names.index(name)

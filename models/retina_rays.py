@@ -90,7 +90,7 @@ class RayEye:
         self._model = model
         self._camera = camera_id(model, camera)
         self.focal_px = focal_length_px(model, self._camera, options)
-        self._own_body = int(model.cam_bodyid[self._camera])
+        self._own_body = int(model.cam_bodyid[self._camera]) or -1  # a camera fixed to the world has no case
         self._convex = np.append(np.isin(model.geom_type, _CONVEX), True)  # the last is geom -1, nothing at all
         self._half = model.geom_aabb[:, 3:] + 1e-9
         self._half[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = (np.inf, np.inf, 1e-9)  # a half-space
@@ -115,7 +115,7 @@ class RayEye:
         hits = self._cast(data, self._corner_rays.reshape(-1, 3))
         corners = _shade(hits, lights).reshape(*self._grid, 3)
         planes = self._down @ np.moveaxis(corners, 2, 0) @ self._across
-        pixels = np.ascontiguousarray(np.moveaxis(planes, 0, 2)).reshape(-1, 3)
+        pixels: Levels = np.ascontiguousarray(np.moveaxis(planes, 0, 2), np.float32).reshape(-1, 3)
 
         busy = ~self._plain_blocks(data, hits)
         busy = np.repeat(np.repeat(busy, BLOCK, axis=0), BLOCK, axis=1)[:height, :width]
@@ -167,7 +167,9 @@ class RayEye:
             else:
                 lamps.append((data.light_xpos[i].copy(), float(model.light_diffuse[i].mean())))
         rgb = model.geom_rgba[:, :3].copy()
-        painted = (model.geom_matid >= 0) & (rgb == 0.5).all(axis=1)  # MuJoCo's default colour gives way to a material's
+        painted = (model.geom_matid >= 0) & (rgb == 0.5).all(
+            axis=1
+        )  # MuJoCo's default colour gives way to a material's
         rgb[painted] = model.mat_rgba[model.geom_matid[painted], :3]
         colour = (255.0 * np.vstack([rgb, model.vis.rgba.haze[:3]])).astype(np.float32)
         origin = data.cam_xpos[self._camera]
@@ -189,7 +191,8 @@ class RayEye:
         half = self._half[other]
         overlap = self._overlap(data, rotation, centre, half)
         in_view = overlap.any(axis=(1, 2))
-        other, rotation, centre, half, overlap = (a[in_view] for a in (other, rotation, centre, half, overlap))
+        other, overlap = other[in_view], overlap[in_view]
+        rotation, centre, half = rotation[in_view], centre[in_view], half[in_view]
 
         origin = data.cam_xpos[self._camera]
         eye = np.einsum("gi,gij->gj", origin - centre, rotation)
@@ -200,9 +203,10 @@ class RayEye:
         for axis in range(3):  # one contiguous (geoms, corners) array after the other
             along = (rotation[:, :, axis] * facing[:, axis, None]) @ points.T
             limit = half[:, axis] - facing[:, axis] * eye[:, axis]
-            outside = (along > np.where(facing[:, axis] == 0.0, np.inf, limit)[:, None]).reshape(-1, *self._grid)
-            outside = outside[:, 1:] & outside[:, :-1]
-            apart |= outside[:, :, 1:] & outside[:, :, :-1]
+            limit[facing[:, axis] == 0.0] = np.inf
+            outside: BoolArray = np.asarray(along > limit[:, None]).reshape(-1, *self._grid)
+            pairs: BoolArray = np.logical_and(outside[:, 1:], outside[:, :-1])
+            apart |= pairs[:, :, 1:] & pairs[:, :, :-1]
         hidden = overlap & ~apart & (other[:, None, None] != shown)
         return np.asarray(same & ~inside & ~hidden.any(axis=0))
 
@@ -242,7 +246,7 @@ def _touches(place: FloatArray, depth: FloatArray, borders: FloatArray) -> BoolA
     A box lies wholly beyond a border's plane when all its corners do, wherever they are, behind the eye too.
     """
     beyond = place[:, None] - borders[:, None] * depth[:, None]  # (geoms, borders, 8)
-    return (beyond.max(axis=2)[:, :-1] >= 0.0) & (beyond.min(axis=2)[:, 1:] <= 0.0)
+    return np.asarray((beyond.max(axis=2)[:, :-1] >= 0.0) & (beyond.min(axis=2)[:, 1:] <= 0.0))
 
 
 def _hat(pixels: int, blocks: int) -> Levels:

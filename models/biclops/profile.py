@@ -18,15 +18,16 @@ def profile(
 
     The axis speeds up at `max_acceleration` a until `max_speed` v, and brakes at a so as to stop on the target: a move
     of length D from rest lasts D/v + v/a when D >= v^2/a (a trapezoid) and 2 sqrt(D/a) otherwise (a triangle), to
-    within two steps. The speed from which braking in steps of a dt ends exactly on a target e away is the u that solves
-    e = u^2/(2a) + u dt/2. The target may change at any time; then a too fast axis overshoots and comes back, as
-    a real one does. All arguments broadcast; angles in radians or metres alike.
+    within two steps. In units of a dt and a dt^2: from a distance x the speed u = x/n + (n - 1)/2 lands in n steps
+    that lose 1 each, n the least with x <= n (n + 1)/2. The target may change at any time; then a too fast axis
+    overshoots and comes back, as a real one does. All arguments broadcast; angles in radians or metres alike.
     """
     position, velocity, acceleration = (np.asarray(x, float) for x in (position, velocity, max_acceleration))
     error = np.asarray(target, float) - position
-    distance = np.abs(error)
-    stopping = acceleration * (np.sqrt(0.25 * dt * dt + 2.0 * distance / acceleration) - 0.5 * dt)
-    wanted = np.copysign(np.minimum(np.minimum(stopping, distance / dt), max_speed), error)
+    distance = np.abs(error) / (acceleration * dt**2)
+    steps = np.maximum(np.ceil(0.5 * (np.sqrt(1.0 + 8.0 * distance) - 1.0)), 1.0)
+    landing = (distance / steps + 0.5 * (steps - 1.0)) * acceleration * dt
+    wanted = np.copysign(np.minimum(landing, max_speed), error)
     change = acceleration * dt
     new_velocity = np.clip(wanted, velocity - change, velocity + change)
     return position + new_velocity * dt, new_velocity
@@ -39,4 +40,4 @@ def move_time(
     length, speed, acceleration = (np.abs(np.asarray(x, float)) for x in (distance, max_speed, max_acceleration))
     trapezoid = length / speed + speed / acceleration
     triangle = 2.0 * np.sqrt(length / acceleration)
-    return np.where(length >= speed**2 / acceleration, trapezoid, triangle)
+    return np.asarray(np.where(length >= speed**2 / acceleration, trapezoid, triangle))

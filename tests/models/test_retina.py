@@ -1,0 +1,153 @@
+import mujoco
+import numpy as np
+import pytest
+
+from models.biclops.room import Ball, room
+from models.errors import BodyError
+from models.retina import RENDERERS, RetinaOptions, open_eye
+from models.retina_rays import RayEye, _shade
+
+BALL = Ball("ball", (0.6, 0.05, 0.2), (0.9, 0.1, 0.1), radius=0.03)
+
+
+@pytest.fixture(scope="module")
+def scene() -> tuple[mujoco.MjModel, mujoco.MjData]:
+    model = room(teacher=True, balls=[BALL]).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return model, data
+
+
+def _every_ray(eye: RayEye, data: mujoco.MjData) -> np.ndarray:
+    """The image with one ray through each pixel and no shortcut: the oracle."""
+    colour = _shade(eye._cast(data, eye._pixel_rays), eye._lights(data))
+    return colour.reshape(eye.options.height, eye.options.width, 3)
+
+
+@pytest.mark.parametrize("size", [(160, 120), (101, 67)])
+def test_plain_blocks_hide_nothing(scene, size) -> None:
+    model, _ = scene
+    data, rng = mujoco.MjData(model), np.random.default_rng(3)
+    saved = 0.0
+    for camera in ("left_eye", "onlooker"):
+        eye = RayEye(model, camera, RetinaOptions(*size, antialias=False))
+        for _ in range(12):
+            data.qpos[:] = rng.uniform([-3, -1, -3, -1], [3, 1, 3, 1])
+            data.mocap_pos[0] = rng.uniform([0.15, -0.4, 0.0], [1.0, 0.4, 0.4])
+            mujoco.mj_forward(model, data)
+            np.testing.assert_allclose(eye._colour(data), _every_ray(eye, data), atol=1.0)  # levels of 255
+            saved += eye._plain_blocks(data, eye._cast(data, eye._corner_rays.reshape(-1, 3))).mean() / 24
+    assert saved > 0.5  # or the shortcut would be none
+
+
+def test_a_camera_inside_a_box_and_a_mesh_still_see_everything() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><asset><mesh name="m" vertex="0 0 0  .3 0 0  0 .3 0  0 0 .3"/></asset><worldbody>
+        <camera name="eye" pos="0 0 0" euler="10 0 20"/>
+        <geom type="box" size="2 2 1" rgba=".5 .6 .7 1"/><geom type="mesh" mesh="m" pos="-.2 .1 -.6" rgba="1 0 0 1"/>
+        <geom type="capsule" size=".01 .4" pos=".1 0 -.5" euler="70 20 0" rgba="0 1 0 1"/></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    eye = RayEye(model, "eye", RetinaOptions(antialias=False))
+    exact = _every_ray(eye, data)
+    np.testing.assert_allclose(eye._colour(data), exact, atol=1.0)
+    assert {tuple(c) for c in (exact > 60).reshape(-1, 3)} >= {(True, False, False), (False, True, False)}
+
+
+def test_pinhole_projection() -> None:
+    model = room(balls=[BALL]).compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.15, -0.1
+    mujoco.mj_forward(model, data)
+    eye = open_eye(model, "left_eye")
+    camera = data.cam("left_eye")
+    seen = (data.geom("ball").xpos - camera.xpos) @ camera.xmat.reshape(3, 3)
+    u, v = 79.5 - eye.focal_px * seen[0] / seen[2], 59.5 + eye.focal_px * seen[1] / seen[2]
+    image = eye.see(data).astype(int)
+    rows, columns = np.nonzero((image[..., 0] > 2 * image[..., 1]) & (image[..., 0] > 60) & (image[..., 2] < 40))
+    np.testing.assert_allclose([columns.mean(), rows.mean()], [u, v], atol=0.3)
+    wider = open_eye(model, "left_eye", RetinaOptions(fovy_deg=90.0))
+    assert wider.focal_px == pytest.approx(60.0)
+
+
+def test_lambert_shading_of_a_directly_lit_wall() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><visual><headlight active="0"/></visual><worldbody>
+        <light directional="true" dir="0 0.6 -0.8" ambient=".1 .1 .1" diffuse=".5 .5 .5"/>
+        <camera name="eye" pos="0 0 1"/><geom type="plane" size="5 5 .1" rgba=".8 .4 .2 1"/></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    image = open_eye(model, "eye").see(data)
+    expected = np.rint(255 * np.array([0.8, 0.4, 0.2]) * (0.1 + 0.5 * 0.8))
+    assert np.abs(image - expected).max() <= 1
+
+
+def test_edges_are_smooth_only_with_antialiasing(scene) -> None:
+    model, data = scene
+    hard, soft = (open_eye(model, "left_eye", RetinaOptions(antialias=a)).see(data) for a in (False, True))
+    changed = (hard != soft).any(axis=2)
+    assert 0.01 < changed.mean() < 0.15
+
+
+def test_noise_and_blur_are_what_they_say(scene) -> None:
+    model, data = scene
+    clean = open_eye(model, "left_eye").see(data).astype(float)
+    noisy_eye = open_eye(model, "left_eye", RetinaOptions(noise=0.02))
+    noisy = noisy_eye.see(data, np.random.default_rng(1))
+    assert np.array_equal(noisy, noisy_eye.see(data, np.random.default_rng(1)))
+    calm = (clean > 30) & (clean < 225)
+    spread = (noisy - clean)[calm]
+    assert abs(spread.mean()) < 0.1
+    assert spread.std() == pytest.approx(np.sqrt(5.1**2 + 1 / 6), rel=0.02)  # both images are rounded to whole levels
+    blurred = open_eye(model, "left_eye", RetinaOptions(blur=1.5)).see(data).astype(float)
+    assert blurred.mean() == pytest.approx(clean.mean(), abs=0.3)
+    assert np.abs(np.diff(blurred, axis=1)).max() < 0.6 * np.abs(np.diff(clean, axis=1)).max()
+    with pytest.raises(BodyError, match="needs a random generator"):
+        noisy_eye.see(data)
+
+
+def test_colours_are_read_at_every_look(scene) -> None:
+    model, data = scene
+    eye = open_eye(model, "left_eye")
+    before = eye.see(data)
+    geom = model.geom("ball")
+    was = geom.rgba.copy()
+    geom.rgba[3] = 0.0
+    gone = eye.see(data)
+    geom.rgba[:] = was
+    assert (before != gone).any(axis=2).sum() > 50
+    assert np.array_equal(before, eye.see(data))
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_every_renderer_shows_the_same_scene(scene, renderer: str) -> None:
+    model, data = scene
+    try:
+        eye = open_eye(model, "left_eye", renderer=renderer)
+    except BodyError as error:
+        pytest.skip(str(error))
+    image = eye.see(data).astype(float)
+    assert image.shape == (120, 160, 3)
+    reference = open_eye(model, "left_eye").see(data).astype(float)
+    assert np.median(np.abs(image - reference)) < 15
+
+
+def test_wrong_eyes_are_refused_in_words(scene) -> None:
+    model, _ = scene
+    with pytest.raises(BodyError, match="unknown camera 'left_eyes'.*did you mean 'left_eye'"):
+        open_eye(model, "left_eyes")
+    with pytest.raises(BodyError, match="no cameras at all"):
+        open_eye(mujoco.MjModel.from_xml_string("<mujoco/>"), "left_eye")
+    with pytest.raises(BodyError, match="unknown renderer 'ray'.*did you mean 'rays'"):
+        open_eye(model, "left_eye", renderer="ray")
+    for bad, text in (
+        ({"width": 0}, "width of 0 pixels"),
+        ({"height": 10**6}, "height of 1000000"),
+        ({"fovy_deg": 200.0}, "200"),
+        ({"noise": -1.0}, "noise -1"),
+        ({"blur": float("nan")}, "blur nan"),
+    ):
+        with pytest.raises(BodyError, match=text):
+            RetinaOptions(**bad)
