@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from models.retargeting.chain import Chain
 
 Array = NDArray[np.float64]
-REST = 1e-8
+REST = 1e-9
 """e: pull towards rest, only felt where a joint changes no direction (a twist of a straight arm)."""
 JUMP = 0.5
 """What a squared jump between frames (rad^2) counts against a weighted squared error."""

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from models.errors import unknown
 from models.motion.files import checked
-from models.teachers.demonstrations import DEMONSTRATIONS, perform_builtin
+from models.teachers.demonstrations import DEMONSTRATIONS, perform_builtin, perform_motion
 from models.teachers.performance import PARTS, Performance, TeacherError
 
-__all__ = ["DEMONSTRATIONS", "PARTS", "Performance", "TeacherError", "perform"]
+__all__ = ["DEMONSTRATIONS", "PARTS", "Performance", "TeacherError", "perform", "perform_motion"]
 
 
 def perform(name_or_path: str | os.PathLike[str]) -> Performance:

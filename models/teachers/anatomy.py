@@ -34,7 +34,7 @@ LANDMARKS = tuple(f"{side}_{name}" for side in SIDES for name in ("shoulder", "e
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class BodyPoses:
     """Poses of the bodies that matter through time.
 
     rotations: each of BODIES -> (T, 3, 3) rotation in the world.
@@ -52,7 +52,7 @@ def upright(at: Mapping[str, Array]) -> Array:
     return upright_frame(left, up)
 
 
-def perform(name: str, teacher: str, time: Array, motion: Motion, reference: Motion) -> Performance:
+def perform(name: str, teacher: str, time: Array, motion: BodyPoses, reference: BodyPoses) -> Performance:
     """What is seen of a teacher whose bodies move like `motion` and that stands upright in frame 0 of `reference`."""
     frame = upright({name: values[0] for name, values in reference.positions.items()})
     offset = {body: reference.rotations[body][0].T @ frame for body in BODIES}
@@ -72,7 +72,7 @@ def perform(name: str, teacher: str, time: Array, motion: Motion, reference: Mot
     return Performance(name, teacher, time, directions, points, bones)
 
 
-def _skeleton(motion: Motion, offset: Mapping[str, Array]) -> tuple[Array, tuple[tuple[int, int], ...]]:
+def _skeleton(motion: BodyPoses, offset: Mapping[str, Array]) -> tuple[Array, tuple[tuple[int, int], ...]]:
     """Points and bones of a stick figure; nose and toes are drawn where the parts' directions point."""
     at = dict(motion.positions)
     at["neck"] = (at["left_shoulder"] + at["right_shoulder"]) / 2

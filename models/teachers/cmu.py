@@ -12,7 +12,7 @@ from dm_control.suite.utils import parse_amc
 from numpy.typing import NDArray
 
 from models.teachers.amc import read_amc, write_amc
-from models.teachers.anatomy import Motion, perform
+from models.teachers.anatomy import BodyPoses, perform
 from models.teachers.performance import SIDES, Performance
 
 BODY_OF = {"torso": "thorax", "pelvis": "root", "head": "head", "left_foot": "lfoot", "right_foot": "rfoot"}
@@ -44,7 +44,7 @@ def _human() -> humanoid_CMU.Physics:
     return humanoid_CMU.stand().physics
 
 
-def _poses(physics: humanoid_CMU.Physics, qpos: NDArray[np.float64]) -> Motion:
+def _poses(physics: humanoid_CMU.Physics, qpos: NDArray[np.float64]) -> BodyPoses:
     model, data = physics.model.ptr, physics.data.ptr
     landmarks = {f"{side}_{name}": f"{side[0]}{bone}" for side in SIDES for name, bone in ENDS_AT.items()}
     bodies = {name: model.body(bone).id for name, bone in (BODY_OF | landmarks).items()}
@@ -56,7 +56,7 @@ def _poses(physics: humanoid_CMU.Physics, qpos: NDArray[np.float64]) -> Motion:
         mujoco.mj_kinematics(model, data)
         positions[frame] = data.xpos[ids]
         rotations[frame] = data.xmat[ids].reshape(-1, 3, 3)
-    return Motion(
+    return BodyPoses(
         {name: rotations[:, number] for number, name in enumerate(bodies) if name in BODY_OF},
         {name: positions[:, number] for number, name in enumerate(bodies)},
     )

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from models.motion.trajectory import JointTrajectory
 from models.teachers import robots
 from models.teachers.anatomy import perform
 from models.teachers.performance import SIDES, Performance
@@ -180,15 +180,23 @@ DEMONSTRATIONS: dict[str, Demonstration] = {
 
 def perform_builtin(name: str) -> Performance:
     """What is seen of a built-in demonstration, at RATE_HZ."""
-    demonstration = DEMONSTRATIONS[name]
-    time, angles = minimum_jerk(demonstration.postures)
-    configurations = robots.postures(demonstration.robot, angles)
-    moving = robots.motion(demonstration.robot, configurations, demonstration.standing_on)
-    return perform(name, demonstration.robot, time, moving, robots.reference(demonstration.robot))
+    return perform_motion(DEMONSTRATIONS[name].robot, joint_motion(name), DEMONSTRATIONS[name].standing_on)
 
 
-def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tuple[Array, dict[str, Array]]:
-    """Times (T,) at RATE_HZ and joint -> angles (T,) through the postures, resting in each for an instant.
+def joint_motion(name: str) -> JointTrajectory:
+    """The teacher's own joint angles in a built-in demonstration, at RATE_HZ."""
+    time, joints, angles = minimum_jerk(DEMONSTRATIONS[name].postures)
+    return JointTrajectory(name, time, joints, angles)
+
+
+def perform_motion(robot: str, trajectory: JointTrajectory, standing_on: str = "left") -> Performance:
+    """What is seen of a robot of models.teachers.robots.ROBOTS that moves like this; joints not named stay at zero."""
+    moving = robots.motion(robot, robots.postures(robot, trajectory), standing_on)
+    return perform(trajectory.name, robot, trajectory.time, moving, robots.reference(robot))
+
+
+def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tuple[Array, tuple[str, ...], Array]:
+    """Times (T,) at RATE_HZ, joint names and angles (T, J) through the postures, resting in each for an instant.
 
     Between two postures the share of the way gone is 10 s^3 - 15 s^4 + 6 s^5 (Flash and Hogan 1985).
     """
@@ -203,14 +211,4 @@ def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tup
     leg = np.clip(np.searchsorted(moments, time, side="right") - 1, 0, len(moments) - 2)
     share = np.clip((time - moments[leg]) / (moments[leg + 1] - moments[leg]), 0, 1)
     way = share**3 * (10 - 15 * share + 6 * share**2)
-    angles = keys[leg] + way[:, None] * (keys[leg + 1] - keys[leg])
-    return time, {joint: angles[:, number] for number, joint in enumerate(joints)}
-
-
-def limits(robot: str) -> dict[str, tuple[float, float]]:
-    """Joint -> lowest and highest angle a robot's URDF allows, radians."""
-    model: pin.Model = robots.load(robot)
-    return {
-        name: (float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place]))
-        for name, place in zip(list(model.names)[1:], list(model.idx_qs)[1:], strict=True)
-    }
+    return time, tuple(joints), keys[leg] + way[:, None] * (keys[leg + 1] - keys[leg])

@@ -1,11 +1,10 @@
-"""Robots of example-robot-data as teachers: which URDF, and where each one's joints and body parts are.
+"""Robots as teachers, those of example-robot-data and HOAP-2: which file, and where joints and body parts are in it.
 
 Only names are declared here; directions come from anatomy (models.teachers.anatomy), so link axes and zero postures
-of a URDF do not matter. Meshes are not read.
+of a file do not matter. Meshes are not read.
 """
 
 import sysconfig
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
@@ -16,7 +15,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from models.errors import unknown
-from models.teachers.anatomy import Motion, upright
+from models.hoap2 import ROBOT as HOAP2
+from models.motion.trajectory import JointTrajectory
+from models.teachers.anatomy import BodyPoses, upright
 from models.teachers.performance import SIDES, TeacherError
 
 Array = NDArray[np.float64]
@@ -27,14 +28,14 @@ DISTRIBUTION = "example-robot-data"
 class Robot:
     """A teacher's body as data.
 
-    urdf: below example-robot-data's `robots` folder.
+    file: its URDF below example-robot-data's `robots` folder, or an MJCF of this project.
     torso, pelvis, head: the joints that carry them; "universe" for the root body.
     landmarks: shoulder, elbow, ... -> joint whose origin it is; {s} stands for the side in the URDF's spelling.
     left, right: that spelling.
     foot: the joint that carries the foot, likewise.
     """
 
-    urdf: str
+    file: str
     torso: str
     pelvis: str
     head: str
@@ -51,7 +52,7 @@ class Robot:
 
 ROBOTS: dict[str, Robot] = {
     "icub": Robot(
-        urdf="icub_description/robots/icub.urdf",
+        file="icub_description/robots/icub.urdf",
         torso="torso_yaw",
         pelvis="universe",
         head="neck_yaw",
@@ -66,7 +67,7 @@ ROBOTS: dict[str, Robot] = {
         foot="{s}_ankle_roll",
     ),
     "romeo": Robot(
-        urdf="romeo_description/urdf/romeo_small.urdf",
+        file="romeo_description/urdf/romeo_small.urdf",
         torso="TrunkYaw",
         pelvis="universe",
         head="HeadRoll",
@@ -81,7 +82,7 @@ ROBOTS: dict[str, Robot] = {
         foot="{s}AnkleRoll",
     ),
     "human": Robot(
-        urdf="human_description/robots/human.urdf",
+        file="human_description/robots/human.urdf",
         torso="middle_thoracic_Y",
         pelvis="universe",
         head="middle_cervical_Y",
@@ -96,7 +97,7 @@ ROBOTS: dict[str, Robot] = {
         foot="{s}_ankle_X",
     ),
     "g1": Robot(
-        urdf="g1_description/urdf/g1_29dof_rev_1_0.urdf",
+        file="g1_description/urdf/g1_29dof_rev_1_0.urdf",
         torso="waist_pitch_joint",
         pelvis="universe",
         head="waist_pitch_joint",
@@ -111,7 +112,7 @@ ROBOTS: dict[str, Robot] = {
         foot="{s}_ankle_roll_joint",
     ),
     "talos": Robot(
-        urdf="talos_data/robots/talos_reduced.urdf",
+        file="talos_data/robots/talos_reduced.urdf",
         torso="torso_2_joint",
         pelvis="universe",
         head="head_2_joint",
@@ -126,7 +127,7 @@ ROBOTS: dict[str, Robot] = {
         foot="leg_{s}_6_joint",
     ),
     "simple_humanoid": Robot(
-        urdf="simple_humanoid_description/urdf/simple_humanoid.urdf",
+        file="simple_humanoid_description/urdf/simple_humanoid.urdf",
         torso="CHEST",
         pelvis="universe",
         head="CHEST",
@@ -140,6 +141,21 @@ ROBOTS: dict[str, Robot] = {
         ankle="{s}LEG_ANKLE_P",
         foot="{s}LEG_ANKLE_R",
     ),
+    "hoap2": Robot(
+        file=str(HOAP2),
+        torso="universe",
+        pelvis="body_joint_1",
+        head="head_joint_2",
+        left="left",
+        right="right",
+        shoulder="{s}_arm_joint_3",
+        elbow="{s}_arm_joint_4",
+        wrist="{s}_arm_joint_5",
+        hip="{s}_leg_joint_3",
+        knee="{s}_leg_joint_4",
+        ankle="{s}_leg_joint_6",
+        foot="{s}_leg_joint_6",
+    ),
 }
 """Name -> robot. G1 and the simple humanoid have no neck: their heads are their chests."""
 
@@ -149,7 +165,9 @@ def load(name: str) -> pin.Model:
     """The robot as Pinocchio sees it: kinematics, masses, no meshes."""
     if name not in ROBOTS:
         raise TeacherError(unknown("teacher", name, ROBOTS))
-    path = folder() / ROBOTS[name].urdf
+    if ROBOTS[name].file.endswith(".xml"):
+        return pin.buildModelFromMJCF(ROBOTS[name].file)
+    path = folder() / ROBOTS[name].file
     if not path.is_file():
         raise TeacherError(f"{path}: no such file; install {DISTRIBUTION} 4.4 or newer again")
     return pin.buildModelFromUrdf(str(path))
@@ -170,19 +188,18 @@ def folder() -> Path:
     raise TeacherError(f"{DISTRIBUTION} is not installed; install it with the project's other requirements")
 
 
-def postures(name: str, angles: Mapping[str, Array]) -> Array:
-    """Configurations (T, nq) of a robot whose named joints take these angles (T,); the others are at zero."""
+def postures(name: str, trajectory: JointTrajectory) -> Array:
+    """Configurations (T, nq) of a robot that moves like this; joints that are not named stay at zero."""
     model = load(name)
-    frames = {len(values) for values in angles.values()} or {1}
-    found = np.tile(pin.neutral(model), (frames.pop(), 1))
-    for joint, values in angles.items():
-        if joint not in model.names:
+    found = np.tile(pin.neutral(model), (len(trajectory.time), 1))
+    for joint, values in zip(trajectory.joints, trajectory.angles.T, strict=True):
+        if joint not in list(model.names)[1:]:
             raise TeacherError(f"teacher {name}: {unknown('joint', joint, list(model.names)[1:])}")
         found[:, model.idx_qs[model.getJointId(joint)]] = values
     return found
 
 
-def motion(name: str, configurations: Array, standing_on: str = "left") -> Motion:
+def motion(name: str, configurations: Array, standing_on: str = "left") -> BodyPoses:
     """Poses of a robot's body parts through time, (T, nq) configurations, with one foot resting where it stands.
 
     The world's x is where the upright robot faces, z is up; its ankles stand at the origin. `standing_on` names the
@@ -216,9 +233,18 @@ def motion(name: str, configurations: Array, standing_on: str = "left") -> Motio
             positions[part][frame] = pose.translation
             if part in rotations:
                 rotations[part][frame] = pose.rotation
-    return Motion(rotations, positions)
+    return BodyPoses(rotations, positions)
 
 
-def reference(name: str) -> Motion:
+def reference(name: str) -> BodyPoses:
     """The robot standing upright: all joints at zero."""
     return motion(name, pin.neutral(load(name))[None])
+
+
+def limits(name: str) -> dict[str, tuple[float, float]]:
+    """Joint -> lowest and highest angle that a robot's file allows, radians."""
+    model = load(name)
+    return {
+        joint: (float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place]))
+        for joint, place in zip(list(model.names)[1:], list(model.idx_qs)[1:], strict=True)
+    }
