@@ -1,0 +1,117 @@
+"""The maze as a body: five acts, a sense of place, and touch on four sides."""
+
+import hashlib
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import BodyError
+from models.maze.maze import ACTIONS, Maze
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+TRUE_DYNAMICS: FloatArray = np.array(
+    [
+        # N    E    S    W    X   where the walker ends up, having meant to go
+        [0.72, 0.08, 0.04, 0.06, 0.10],  # north
+        [0.05, 0.76, 0.06, 0.05, 0.08],  # east
+        [0.05, 0.07, 0.70, 0.10, 0.08],  # south
+        [0.09, 0.06, 0.05, 0.74, 0.06],  # west
+        [0.05, 0.06, 0.05, 0.04, 0.80],  # stay
+    ]
+)
+"""P(outcome | action) away from walls, [action, outcome] in the order of `ACTIONS`. The chapter prints its matrix as a
+picture without numbers and calls it arbitrary; this one is arbitrary too (see README.md)."""
+TRUE_DYNAMICS.flags.writeable = False
+
+
+class MazeBody:
+    """`copies` walkers in one maze, each where its own steps took it; see `babbling.body.Body`.
+
+    Law: outcome ~ P(. | action), drawn afresh each tick; the walker moves that way unless a wall is there: "the
+    constraints given by the walls are enforced by the environment" (chapter, section 3.3.1).
+    Motor: the number of an action, 0 to 4. Senses: x, y, and 1 for each of the sides N, E, S, W where a wall is felt.
+
+    Args:
+        maze: where.
+        copies: how many walkers.
+        seed: randomness of the outcomes.
+        dynamics: (5, 5) `[action, outcome]`, rows sum to 1; None is `TRUE_DYNAMICS`.
+    """
+
+    def __init__(self, maze: Maze, *, copies: int = 1, seed: int = 0, dynamics: ArrayLike | None = None) -> None:
+        if copies < 1:
+            raise BodyError(f"{copies} copies of a walker; at least 1 is needed")
+        self.maze, self.copies = maze, copies
+        self.dynamics: FloatArray = np.array(TRUE_DYNAMICS if dynamics is None else dynamics, float)
+        size = len(ACTIONS)
+        if self.dynamics.shape != (size, size) or not (self.dynamics >= 0).all():
+            raise BodyError(f"dynamics of shape {self.dynamics.shape}: {size} x {size} probabilities are needed")
+        for action, total in zip(ACTIONS, self.dynamics.sum(1), strict=True):
+            if abs(total - 1) > 1e-9:
+                raise BodyError(f"dynamics: the row of action {action} sums to {total:g}, not to 1")
+        self._rng = np.random.default_rng([seed, 0x3A2E])
+        self._thresholds = np.cumsum(self.dynamics, axis=1)[:, :-1]
+        self._cell: IntArray = np.full(copies, maze.number(maze.start))
+
+    @property
+    def motor_low(self) -> FloatArray:
+        """(1,) number of the first action."""
+        return np.zeros(1)
+
+    @property
+    def motor_high(self) -> FloatArray:
+        """(1,) number of the last action."""
+        return np.full(1, len(ACTIONS) - 1.0)
+
+    @property
+    def sense_low(self) -> FloatArray:
+        """(6,) x and y from 1, touch from 0."""
+        return np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+
+    @property
+    def sense_high(self) -> FloatArray:
+        """(6,) x and y to the maze's size, touch to 1."""
+        return np.array([self.maze.width, self.maze.height, 1.0, 1.0, 1.0, 1.0])
+
+    @property
+    def tick_s(self) -> float:
+        """One step is called one second."""
+        return 1.0
+
+    @property
+    def fingerprint(self) -> str:
+        """Differs between mazes and between dynamics."""
+        return f"maze-{self.maze.fingerprint}-{hashlib.sha256(self.dynamics.tobytes()).hexdigest()[:6]}"
+
+    @property
+    def cell(self) -> IntArray:
+        """(B,) number of the cell where each walker stands: for those outside who watch it."""
+        return self._cell.copy()
+
+    def reset(self) -> FloatArray:
+        """All walkers to the start; returns their (B, 6) sensations."""
+        self._cell = np.full(self.copies, self.maze.number(self.maze.start))
+        return self._senses()
+
+    def act(self, motors: FloatArray) -> FloatArray:
+        """(B, 1) action numbers; returns the (B, 6) sensations after one step.
+
+        Raises:
+            BodyError: an action that does not exist.
+        """
+        action = np.asarray(motors)[:, 0].astype(int)
+        if ((action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])).any():
+            bad = motors[(action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])].flat[0]
+            raise BodyError(f"action {bad:g}: the walker knows 0 to {len(ACTIONS) - 1} ({', '.join(ACTIONS)})")
+        outcome = (self._rng.random((self.copies, 1)) >= self._thresholds[action]).sum(1)
+        self._cell = self.maze.lead[self._cell, outcome]
+        return self._senses()
+
+    def _senses(self) -> FloatArray:
+        senses = np.empty((self.copies, 6))
+        senses[:, 0] = self._cell % self.maze.width + 1
+        senses[:, 1] = self._cell // self.maze.width + 1
+        senses[:, 2:] = self.maze.blocked[self._cell, :4]
+        return senses
