@@ -112,6 +112,18 @@ class Axis:
         clipped: IntArray = np.clip(index, 0, self.size - 1).astype(np.int64)
         return clipped
 
+    def codes(self, values: NDArray[np.generic]) -> IntArray:
+        """`hard` for category numbers, without copying those that are whole numbers already.
+
+        Raises:
+            BabblingError: a category that does not exist.
+        """
+        codes: IntArray = values.astype(np.int64, copy=False)
+        whole = codes is values or bool((codes == values).all())
+        if not whole or (codes.size and int(codes.view(np.uint64).max()) >= self.size):  # a negative one is huge
+            return self.hard(values.ravel()[:, None])  # says which
+        return codes
+
     def soft(self, values: ArrayLike) -> Soft:
         """Linear assignment of (..., F) values: mean-preserving inside the axis, the nearest end beyond it."""
         position = (np.asarray(values, float) - self.low) / self.step
