@@ -212,11 +212,11 @@ class RayEye:
 
     def _overlap(self, data: mujoco.MjData, rotation: FloatArray, centre: FloatArray, half: FloatArray) -> BoolArray:
         """Whether a geom's bounding box may project into a block: (geoms, rows, columns)."""
-        unbounded = np.isinf(half).any(axis=1)[:, None]
+        unbounded = np.isinf(half).any(axis=1, keepdims=True)
         box = np.einsum("gij,gkj->gki", rotation, _CORNERS * np.where(np.isinf(half), 0.0, half)[:, None])
         seen = (box + (centre - data.cam_xpos[self._camera])[:, None]) @ data.cam_xmat[self._camera].reshape(3, 3)
         depth = -seen[:, :, 2]
-        ahead = (depth > 0.0).any(axis=1)[:, None]
+        ahead = (depth > 0.0).any(axis=1, keepdims=True)
         columns = _touches(seen[:, :, 0], depth, self._corner_rays[0, :, 0])
         rows = _touches(-seen[:, :, 1], depth, -self._corner_rays[:, 0, 1])
         return np.asarray((unbounded | (ahead & rows))[:, :, None] & (unbounded | columns)[:, None, :])

@@ -136,11 +136,11 @@ def test_every_renderer_shows_the_same_scene(scene, renderer: str) -> None:
 
 def test_wrong_eyes_are_refused_in_words(scene) -> None:
     model, _ = scene
-    with pytest.raises(BodyError, match="unknown camera 'left_eyes'.*did you mean 'left_eye'"):
+    with pytest.raises(BodyError, match=r"unknown camera 'left_eyes'.*did you mean 'left_eye'"):
         open_eye(model, "left_eyes")
     with pytest.raises(BodyError, match="no cameras at all"):
         open_eye(mujoco.MjModel.from_xml_string("<mujoco/>"), "left_eye")
-    with pytest.raises(BodyError, match="unknown renderer 'ray'.*did you mean 'rays'"):
+    with pytest.raises(BodyError, match=r"unknown renderer 'ray'.*did you mean 'rays'"):
         open_eye(model, "left_eye", renderer="ray")
     for bad, text in (
         ({"width": 0}, "width of 0 pixels"),
