@@ -1,7 +1,7 @@
 """Which joints of HOAP-2 show which body part: the robot's side of imitating by limb directions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
@@ -10,9 +10,9 @@ from typing import Final
 class Segment:
     """A body part's direction: the unit vector `axis` in the frame of the body that `joint` moves.
 
-    weight: what a squared error of this part counts against the others of its limb. A part nearer the torso counts a
-    hundred times more than the next one out: what the shoulder does wrong, everything beyond it inherits. The foot
-    counts least: the ankle cannot turn it sideways, and the hip may do so only while the knee is straight.
+    weight: what a squared error of this part counts against the others of its limb. A part nearer the torso counts
+    more than the next one out: what the shoulder does wrong, everything beyond it inherits. The foot counts least: the
+    ankle cannot turn it sideways, and the hip may do so only while the knee is straight.
     """
 
     part: str
@@ -25,11 +25,14 @@ class Segment:
 class Limb:
     """A chain of joints, outwards, and the segments whose directions it decides.
 
+    stiffness: joint -> what a squared radian away from rest counts against those weights, for joints that a nearly
+    straight limb leaves almost free: they do not whirl round to mend a tenth of a degree.
     hangs_from: the joint, itself on the torso, that turns what the chain hangs from; None for the torso.
     """
 
     joints: tuple[str, ...]
     segments: tuple[Segment, ...]
+    stiffness: Mapping[str, float] = field(default_factory=dict)
     hangs_from: str | None = None
 
 
@@ -41,6 +44,7 @@ def _arm(side: str) -> Limb:
             Segment(f"{side}_upper_arm", f"{joint}3", (1, 0, 0)),
             Segment(f"{side}_forearm", f"{joint}4", (1, 0, 0), 1e-2),
         ),
+        stiffness={f"{joint}3": 1e-7},
     )
 
 
@@ -50,9 +54,10 @@ def _leg(side: str) -> Limb:
         tuple(f"{joint}{i}" for i in range(1, 7)),
         (
             Segment(f"{side}_thigh", f"{joint}3", (0, 0, -1)),
-            Segment(f"{side}_shank", f"{joint}4", (0, 0, -1), 1e-2),
-            Segment(f"{side}_foot", f"{joint}6", (1, 0, 0), 1e-5),
+            Segment(f"{side}_shank", f"{joint}4", (0, 0, -1), 0.1),
+            Segment(f"{side}_foot", f"{joint}6", (1, 0, 0), 5e-4),
         ),
+        stiffness={f"{joint}1": 5e-5},
         hangs_from="body_joint_1",
     )
 

@@ -24,6 +24,8 @@ MARGIN = np.deg2rad(1.0)
 """Distance kept from every joint stop."""
 REACHABLE_DEG = 5.0
 """A direction counts as reachable in a frame where inverse kinematics alone comes nearer than this."""
+LEAST_STIFFNESS = 1e-9
+"""Pull towards rest of every joint; only felt where it changes no direction (a twist of a straight arm)."""
 REST_DEG: Mapping[str, float] = MappingProxyType({"left_arm_joint_1": 90.0, "right_arm_joint_1": 90.0})
 """Where joints stay that nothing seen decides: arms hanging, all else at zero."""
 
@@ -87,7 +89,8 @@ def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
             targets = np.einsum("tji,tsj->tsi", carrier, targets)
         rest = np.clip(angles[0, columns], own.low, own.high)
         weights = np.array([segment.weight for segment in segments])
-        single = solve(own, targets, weights, rest)
+        stiffness = np.array([limb.stiffness.get(joint, LEAST_STIFFNESS) for joint in limb.joints])
+        single = solve(own, targets, weights, rest, stiffness)
         shown, _ = own.directions(single)
         near = _degrees_between(shown, targets) < REACHABLE_DEG
         speed = np.array([SPEED_LIMIT[joint_class(joint)] for joint in limb.joints])

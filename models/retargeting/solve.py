@@ -1,7 +1,7 @@
 """Inverse kinematics, frame by frame: the posture whose segments point most nearly where they should.
 
-For each frame, min over q of sum_s w_s |direction_s(q) - wanted_s|^2 + e |q - rest|^2 within the joint ranges, by
-Levenberg-Marquardt with the joints that lean on their stops held there (projected Newton; Bertsekas 1982).
+For each frame, min over q of sum_s w_s |direction_s(q) - wanted_s|^2 + sum_j e_j (q_j - rest_j)^2 within the joint
+ranges, by Levenberg-Marquardt with the joints that lean on their stops held there (projected Newton; Bertsekas 1982).
 All frames are solved together; frames that end away from their target try again from other postures. Such frames have
 several optima about as good (a leg lifted too high can lean either way), and the path through them that jumps least
 is taken.
@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from models.retargeting.chain import Chain
 
 Array = NDArray[np.float64]
-REST = 1e-9
-"""e: pull towards rest, only felt where a joint changes no direction (a twist of a straight arm)."""
 JUMP = 0.5
 """What a squared jump between frames (rad^2) counts against a weighted squared error."""
 STEPS = 25
@@ -26,15 +24,18 @@ STARTS = (0.2, 0.5, 0.8)
 """Other starts: every joint at this share of its range, alternately counted from the other end."""
 
 
-def solve(chain: Chain, wanted: Array, weights: Array, rest: Array) -> Array:
-    """Postures (T, n) for wanted directions (T, S, 3); weights (S,) of the squared errors; rest (n,) radians."""
+def solve(chain: Chain, wanted: Array, weights: Array, rest: Array, stiffness: Array) -> Array:
+    """Postures (T, n) for wanted directions (T, S, 3).
+
+    weights (S,): of the squared errors; rest (n,): radians; stiffness (n,): e above.
+    """
     first = np.tile(np.clip(rest, chain.low, chain.high), (len(wanted), 1))
-    angles, cost = _descend(chain, wanted, weights, rest, first)
+    angles, cost = _descend(chain, wanted, weights, rest, stiffness, first)
     off = np.flatnonzero(cost > GOOD_ENOUGH * weights.min())
     found, costs = [angles], [cost]
     for start in _other_starts(chain) if len(off) else []:
         angles, cost = found[0].copy(), np.full(len(wanted), np.inf)
-        angles[off], cost[off] = _descend(chain, wanted[off], weights, rest, np.tile(start, (len(off), 1)))
+        angles[off], cost[off] = _descend(chain, wanted[off], weights, rest, stiffness, np.tile(start, (len(off), 1)))
         found.append(angles)
         costs.append(cost)
     return _smoothest(np.array(found), np.array(costs))
@@ -63,35 +64,39 @@ def _other_starts(chain: Chain) -> list[Array]:
     return [chain.low + share * (chain.high - chain.low) for share in shares]
 
 
-def _cost(chain: Chain, angles: Array, wanted: Array, weights: Array, rest: Array) -> tuple[Array, Array, Array]:
+def _cost(
+    chain: Chain, angles: Array, wanted: Array, weights: Array, rest: Array, stiffness: Array
+) -> tuple[Array, Array, Array]:
     """Cost (T,), residual (T, S, 3) and its derivative (T, S, 3, n)."""
     found, slope = chain.directions(angles)
     residual = found - wanted
-    cost = np.einsum("tsi,s->t", residual**2, weights) + REST * ((angles - rest) ** 2).sum(axis=1)
+    cost = np.einsum("tsi,s->t", residual**2, weights) + (stiffness * (angles - rest) ** 2).sum(axis=1)
     return cost, residual, slope
 
 
-def _descend(chain: Chain, wanted: Array, weights: Array, rest: Array, angles: Array) -> tuple[Array, Array]:
+def _descend(
+    chain: Chain, wanted: Array, weights: Array, rest: Array, stiffness: Array, angles: Array
+) -> tuple[Array, Array]:
     """Local optimum from given postures, and its cost."""
     size = angles.shape[1]
     damping = np.full(len(angles), 1e-2)
-    cost, residual, slope = _cost(chain, angles, wanted, weights, rest)
+    cost, residual, slope = _cost(chain, angles, wanted, weights, rest, stiffness)
     active = np.arange(len(angles))
     for _ in range(STEPS):
         here, part = angles[active], slope[active]
         weighted = part * weights[None, :, None, None]
-        gradient = np.einsum("tsin,tsi->tn", weighted, residual[active]) + REST * (here - rest)
+        gradient = np.einsum("tsin,tsi->tn", weighted, residual[active]) + stiffness * (here - rest)
         matrix = np.einsum("tsin,tsim->tnm", weighted, part)
         held = ((here <= chain.low) & (gradient > 0)) | ((here >= chain.high) & (gradient < 0))
         gradient[held] = 0
         free = ~held
         matrix *= free[:, :, None] & free[:, None, :]
         diagonal = np.einsum("tnn->tn", matrix)
-        lift = damping[active, None] * (diagonal + 1e-2 * diagonal.max(axis=1, keepdims=True)) + REST
+        lift = damping[active, None] * (diagonal + 1e-2 * diagonal.max(axis=1, keepdims=True)) + stiffness
         matrix = matrix + (lift + held)[:, :, None] * np.eye(size)
         step = np.linalg.solve(matrix, gradient[:, :, None])[:, :, 0]
         trial = np.clip(here - step, chain.low, chain.high)
-        found = _cost(chain, trial, wanted[active], weights, rest)
+        found = _cost(chain, trial, wanted[active], weights, rest, stiffness)
         better = found[0] < cost[active]
         moved = active[better]
         drop = cost[moved] - found[0][better]
