@@ -57,7 +57,7 @@ def _leg(side: str) -> Limb:
             Segment(f"{side}_shank", f"{joint}4", (0, 0, -1), 0.1),
             Segment(f"{side}_foot", f"{joint}6", (1, 0, 0), 5e-4),
         ),
-        stiffness={f"{joint}1": 5e-5},
+        stiffness={f"{joint}1": 5e-6},
         hangs_from="body_joint_1",
     )
 

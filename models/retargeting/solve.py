@@ -24,10 +24,11 @@ STARTS = (0.2, 0.5, 0.8)
 """Other starts: every joint at this share of its range, alternately counted from the other end."""
 
 
-def solve(chain: Chain, wanted: Array, weights: Array, rest: Array, stiffness: Array) -> Array:
+def solve(chain: Chain, wanted: Array, weights: Array, rest: Array, stiffness: Array, jump: float = JUMP) -> Array:
     """Postures (T, n) for wanted directions (T, S, 3).
 
-    weights (S,): of the squared errors; rest (n,): radians; stiffness (n,): e above.
+    weights (S,): of the squared errors; rest (n,): radians; stiffness (n,): e above; jump: what a squared
+    jump between frames counts, 0 for frames that have nothing to do with each other.
     """
     first = np.tile(np.clip(rest, chain.low, chain.high), (len(wanted), 1))
     angles, cost = _descend(chain, wanted, weights, rest, stiffness, first)
@@ -38,16 +39,16 @@ def solve(chain: Chain, wanted: Array, weights: Array, rest: Array, stiffness: A
         angles[off], cost[off] = _descend(chain, wanted[off], weights, rest, stiffness, np.tile(start, (len(off), 1)))
         found.append(angles)
         costs.append(cost)
-    return _smoothest(np.array(found), np.array(costs))
+    return _smoothest(np.array(found), np.array(costs), jump)
 
 
-def _smoothest(found: Array, costs: Array) -> Array:
-    """Through one of K postures per frame, (K, T, n) at costs (K, T), the path of least cost + JUMP |change|^2."""
+def _smoothest(found: Array, costs: Array, jump: float) -> Array:
+    """Through one of K postures per frame, (K, T, n) at costs (K, T), the path of least cost + jump |change|^2."""
     total = costs[:, 0]
     came_from = np.zeros(costs.shape, dtype=int)
     for frame in range(1, costs.shape[1]):
         change = ((found[None, :, frame] - found[:, None, frame - 1]) ** 2).sum(axis=2)
-        ways = total[:, None] + JUMP * change
+        ways = total[:, None] + jump * change
         came_from[:, frame] = ways.argmin(axis=0)
         total = ways.min(axis=0) + costs[:, frame]
     path = np.empty(costs.shape[1], dtype=int)

@@ -62,7 +62,7 @@ _G1_SQUAT = _both(
     {"{s}_hip_pitch_joint": -0.95, "{s}_knee_joint": 1.6, "{s}_ankle_pitch_joint": -0.65}
     | {"{s}_shoulder_pitch_joint": -1.4, "{s}_elbow_joint": 1.4},
     SIDES,
-)
+) | {"left_shoulder_roll_joint": 0.45, "right_shoulder_roll_joint": -0.45}
 _G1_STAND = dict.fromkeys(_G1_SQUAT, 0.0) | _both({"{s}_shoulder_pitch_joint": -0.3, "{s}_elbow_joint": 0.6}, SIDES)
 
 DEMONSTRATIONS: dict[str, Demonstration] = {
