@@ -11,7 +11,7 @@ Counts are integers: models learned apart are merged by adding, exactly, in any 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from types import MappingProxyType
 
@@ -21,7 +21,7 @@ from scipy.special import ndtr
 
 from babbling.axes import UNIT, Axis, FloatArray, IntArray
 from babbling.errors import BabblingError
-from babbling.linear_gaussian import LinearFit, LinearGaussian
+from babbling.linear_gaussian import SCALE, LinearFit, LinearGaussian
 
 _CHUNK = 1 << 16  # transitions per exact bincount: 2^16 x 2^36 < 2^53
 _BITS = UNIT.bit_length() - 1
@@ -69,7 +69,7 @@ class ForwardModel:
         low = np.stack([axis.low for axis in self.axes], axis=1)
         high = np.stack([axis.high for axis in self.axes], axis=1)
         self.moments = LinearGaussian.empty(names, low, np.maximum(high, low + 1e-12))
-        self._predictive: FloatArray | None = None
+        self._cache: dict[str, FloatArray] = {}
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -89,12 +89,29 @@ class ForwardModel:
         A transition that falls off an axis is not bent onto its end: it is left out and counted in `outside`.
         A value of NaN means "nothing happened for this factor" and is left out silently.
         """
-        values = [np.asarray(v, float) for v in (*context, action, outcome)]
+        categories = all(axis.is_categorical for axis in self.axes)
+        values = [np.asarray(v) if categories else np.asarray(v, float) for v in (*context, action, outcome)]
         if len(values) != len(self.axes) or any(v.shape != values[-1].shape for v in values):
             raise BabblingError(f"expected {len(self.axes)} arrays of one shape (N, {len(self.factors)})")
+        observe = self._observe_categories if categories else self._observe
         for start in range(0, len(values[0]), _CHUNK):
-            self._observe([v[start : start + _CHUNK] for v in values])
-        self._predictive = None
+            observe([v[start : start + _CHUNK] for v in values])
+        self._cache.clear()
+
+    def _observe_categories(self, values: list[FloatArray]) -> None:
+        """What `_observe` does where every assignment is hard: one integer count, no moments but the sample size."""
+        factor: IntArray = np.broadcast_to(np.arange(len(self.factors)), values[0].shape)
+        missing = [np.isnan(v) for v in values if v.dtype.kind == "f"]
+        if any(m.any() for m in missing):
+            happened = ~np.logical_or.reduce(missing)
+            values, factor = [v[happened] for v in values], factor[happened]
+        index = self.axes[0].codes(values[0])
+        if len(self.factors) > 1:
+            index = factor * self.axes[0].size + index
+        for axis, value in zip(self.axes[1:], values[1:], strict=True):
+            index = index * axis.size
+            index += axis.codes(value)
+        self.add(np.bincount(index.ravel(), minlength=self.counts.size).reshape(self.counts.shape))
 
     def _observe(self, values: list[FloatArray]) -> None:
         happened = ~np.isnan(values[0])
@@ -131,6 +148,22 @@ class ForwardModel:
         self.counts += total.astype(np.int64).reshape(self.counts.shape)
         self.moments.observe(np.stack(values, axis=-1), keep)
 
+    def add(self, counts: IntArray) -> None:
+        """Add visits counted before, `[factor, context..., action, outcome]`, where every axis is categorical.
+
+        Raises:
+            BabblingError: another shape, negative counts, or an axis that is not categorical.
+        """
+        if counts.shape != self.counts.shape or (counts.size and counts.min() < 0):
+            raise BabblingError(f"counts of shape {counts.shape}; {self.counts.shape} numbers from 0 are needed")
+        if not all(axis.is_categorical for axis in self.axes):
+            raise BabblingError(
+                "bare counts say nothing of the moments of a measured axis; merge forward models instead"
+            )
+        self.counts += counts
+        self.moments.sums[:, 0, 0] += counts.reshape(len(self.factors), -1).sum(1) * SCALE**2
+        self._cache.clear()
+
     def merge(self, other: "ForwardModel") -> None:
         """Add what another model of the same axes learned: equal to having learned on the union.
 
@@ -142,7 +175,7 @@ class ForwardModel:
         self.counts += other.counts
         self.outside += other.outside
         self.moments.sums += other.moments.sums
-        self._predictive = None
+        self._cache.clear()
 
     def empty(self) -> "ForwardModel":
         """The same axes, nothing learned."""
@@ -160,16 +193,16 @@ class ForwardModel:
     @property
     def predictive(self) -> FloatArray:
         """`[factor, context..., action, outcome]`: P(outcome | context, action); rows without any evidence are zero."""
-        if self._predictive is None:
-            table = self.counts / self.unit
-            visits = table.sum(-1, keepdims=True)
-            if self.prior_strength > 0:
-                table += self.prior_strength * self.prior()
-                visits = visits + self.prior_strength
-            np.divide(table, visits, out=table, where=visits > 0)
-            table.flags.writeable = False
-            self._predictive = table
-        return self._predictive
+        return self._cached("predictive", self._predict)
+
+    def _predict(self) -> FloatArray:
+        table: FloatArray = self.counts / self.unit
+        visits = table.sum(-1, keepdims=True)
+        if self.prior_strength > 0:
+            table += self.prior_strength * self.prior()
+            visits = visits + self.prior_strength
+        np.divide(table, visits, out=table, where=visits > 0)
+        return table
 
     @property
     def visits(self) -> FloatArray:
@@ -187,19 +220,40 @@ class ForwardModel:
 
         A mean beyond the outcome's range is clipped into it: an all-but-empty row would otherwise turn uniform.
         """
-        fit = self.linear()
-        grids = [axis.points for axis in self.axes[:-1]]
-        mesh = np.array(
-            [np.stack(np.meshgrid(*(g[f] for g in grids), indexing="ij"), -1) for f in range(len(self.factors))]
-        )  # (F, C..., A, X)
-        slopes = fit.coefficients[:, 0, 1:].reshape(-1, *(1,) * len(grids), len(grids))
-        mean = (mesh * slopes).sum(-1) + fit.coefficients[:, 0, 0].reshape(-1, *(1,) * len(grids))
-        spread = np.sqrt(fit.covariance[:, 0, 0]).reshape(-1, *(1,) * len(grids))
-        low, high, step = (
-            v.reshape(mean.shape[0], *(1,) * len(grids))
-            for v in (self.outcome.low, self.outcome.high, self.outcome.step)
+        return self._gaussian(self.outcome, self.axes[:-1])
+
+    def _gaussian(self, target: Axis, inputs: Sequence[Axis]) -> FloatArray:
+        """P(target | inputs) of the least-squares line, on the grids: `[factor, inputs..., target]`."""
+        fit = self.moments.fit([target.name], [axis.name for axis in inputs])
+        factors = len(self.factors)
+        wide = (factors, *(1,) * len(inputs))
+        mean = fit.coefficients[:, 0, 0].reshape(wide)
+        for i, axis in enumerate(inputs):
+            along = [factors, *(1,) * len(inputs)]
+            along[1 + i] = axis.size
+            mean = mean + fit.coefficients[:, 0, 1 + i].reshape(wide) * axis.points.reshape(along)
+        spread = np.sqrt(fit.covariance[:, 0, 0]).reshape(wide)
+        low, high, step = (v.reshape(wide) for v in (target.low, target.high, target.step))
+        return hat_mass(
+            (np.clip(mean, low, high) - low) / step, np.broadcast_to(spread / step, mean.shape), target.size
         )
-        return hat_mass((np.clip(mean, low, high) - low) / step, spread / step, self.outcome.size)
+
+    def habit(self, context: Sequence[ArrayLike]) -> FloatArray:
+        """P(action | context): how often each action was taken there, (..., F) values in, (..., F, A) out.
+
+        Law: (visits + k g) / (sum of visits + k), with g the linear-Gaussian fit action = f(contexts) of the same
+        experience and k the prior strength: the learned prior over actions of Eq. (1) when there is no goal but to move
+        as one is used to. Where nothing was tried and k is 0 the row is zero.
+        """
+        return interpolate(self._cached("habit", self._habit), self.contexts, context)
+
+    def _habit(self) -> FloatArray:
+        table = self.visits.copy()
+        if self.prior_strength > 0:
+            table += self.prior_strength * self._gaussian(self.action, self.contexts)
+        total = table.sum(-1, keepdims=True)
+        np.divide(table, total, out=table, where=total > 0)
+        return table
 
     def likelihood(self, context: Sequence[ArrayLike], outcome: ArrayLike) -> FloatArray:
         """P(outcome | context, every action): (..., F) values in, (..., F, A) out.
@@ -207,11 +261,18 @@ class ForwardModel:
         Soft assignment on both sides: the table is interpolated between the neighbouring contexts and outcomes.
         Values off an axis are taken at its nearest end; see `inside`.
         """
-        return self._gather(self.predictive, (*context, outcome), (*self.contexts, self.outcome), outcome=True)
+        table = self._cached("by outcome", lambda: np.ascontiguousarray(np.swapaxes(self.predictive, -1, -2)))
+        return interpolate(table, (*self.contexts, self.outcome), (*context, outcome))
+
+    def expected(self, context: Sequence[ArrayLike], action: ArrayLike) -> FloatArray:
+        """E[outcome | context, action] in the outcome's unit: (..., F) values in, (..., F) out."""
+        points = self.outcome.points.reshape(len(self.factors), *(1,) * (len(self.contexts) + 1), self.outcome.size)
+        table = self._cached("mean", lambda: (self.predictive * points).sum(-1))
+        return interpolate(table, (*self.contexts, self.action), (*context, action))
 
     def familiarity(self, context: Sequence[ArrayLike]) -> FloatArray:
         """How often each action was tried in this context: (..., F) values in, (..., F, A) visits out."""
-        return self._gather(self.visits[..., None], context, self.contexts, outcome=False)
+        return interpolate(self._cached("visits", lambda: self.visits), self.contexts, context)
 
     def inside(self, context: Sequence[ArrayLike], outcome: ArrayLike) -> NDArray[np.bool_]:
         """(..., F) whether context and outcome lie on their axes."""
@@ -221,37 +282,40 @@ class ForwardModel:
                 ok &= axis.soft(value).inside
         return ok
 
-    def _gather(
-        self, table: FloatArray, values: Sequence[ArrayLike], axes: Sequence[Axis], *, outcome: bool
-    ) -> FloatArray:
-        factor = np.arange(len(self.factors))
-        corners: list[list[tuple[IntArray, FloatArray]]] = []
-        for axis, value in zip(axes, values, strict=True):
-            if axis.is_categorical:
-                index = axis.hard(value)
-                corners.append([(index, np.ones(index.shape))])
-            else:
-                soft = axis.soft(value)
-                share = soft.weight / UNIT
-                corners.append([(soft.lower, 1 - share), (soft.lower + 1, share)])
-        shape = np.shape(values[0]) if values else (len(self.factors),)
-        total = np.zeros((*shape, self.action.size))
-        for corner in product(*corners):
-            weight = math.prod((w for _, w in corner), start=np.ones(shape))
-            where = [i for i, _ in corner]
-            at_outcome = where.pop() if outcome else np.zeros(shape, np.int64)
-            cell: list[IntArray] = [factor, *where]
-            total += (
-                weight[..., None]
-                * table[
-                    (
-                        *(i[..., None] for i in np.broadcast_arrays(*cell)),
-                        np.arange(self.action.size),
-                        at_outcome[..., None],
-                    )
-                ]
-            )
-        return total
+    def _cached(self, name: str, make: Callable[[], FloatArray]) -> FloatArray:
+        if name not in self._cache:
+            table = make()
+            table.flags.writeable = False
+            self._cache[name] = table
+        return self._cache[name]
+
+
+def interpolate(table: FloatArray, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> FloatArray:
+    """Multilinear interpolation of `[factor, axes..., rest...]` at one (..., F) value per axis: (..., F, rest...).
+
+    Categorical axes are looked up, not interpolated; without any axis the table itself comes back.
+    """
+    if not axes:
+        return table
+    corners: list[list[tuple[IntArray, FloatArray | None]]] = []
+    for axis, value in zip(axes, values, strict=True):
+        if axis.is_categorical:
+            corners.append([(axis.hard(value), None)])
+            continue
+        soft = axis.soft(value)
+        share = soft.weight / UNIT
+        corners.append([(soft.lower, 1 - share), (soft.lower + 1, share)])
+    factor = np.arange(len(table))
+    rest = table.ndim - 1 - len(axes)
+    total: FloatArray | None = None
+    for corner in product(*corners):
+        part = table[(factor, *(i for i, _ in corner))]
+        for _, weight in corner:
+            if weight is not None:
+                part = part * weight.reshape(weight.shape + (1,) * rest)
+        total = part if total is None else total + part
+    assert total is not None
+    return total
 
 
 def same_axes(one: ForwardModel, other: ForwardModel) -> bool:

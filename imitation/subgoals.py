@@ -1,0 +1,55 @@
+"""Which remembered state comes next: sub-goals out of several demonstrations that do not agree.
+
+The chapter follows one memorised sequence S_7 -> S_1 -> ... -> S_12. Noisy demonstrations revisit states and
+contradict each other; following a state's first or most frequent successor then runs in circles for ever. The rule
+here cannot: for every state take its *last* visit in each demonstration, and of these the one whose remainder to the
+goal is shortest; its successor is the sub-goal. The remainder falls with each sub-goal reached, so no sequence of
+sub-goals ever returns, and staying in place is never one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from babbling.axes import IntArray
+from imitation.episodes import Episode
+from imitation.errors import ImitationError
+
+
+@dataclass(frozen=True, eq=False)
+class SubGoals:
+    """The next sub-goal of every state on the way to one goal."""
+
+    successor: IntArray
+    """(S,) sub-goal of each state, -1 where no demonstration went (and at the goal itself)."""
+    remainder: IntArray
+    """(S,) steps to the goal in the demonstration chosen, -1 where none went."""
+    goal: int
+    """The state where the demonstrations end."""
+
+
+def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> SubGoals:
+    """Sub-goals from demonstrations that all end in one state; see the module.
+
+    Raises:
+        ImitationError: no demonstration, or demonstrations that end in different states.
+    """
+    ends = {int(e.states[-1]) for e in episodes}
+    if len(ends) != 1:
+        what = f"demonstrations end in {len(ends)} different states" if ends else "nothing was demonstrated"
+        raise ImitationError(f"{what}; sub-goals need at least one demonstration and one common goal")
+    successor, remainder = np.full(states, -1), np.full(states, -1)
+    (goal,) = ends
+    remainder[goal] = 0
+    for episode in episodes:
+        last = np.full(states, -1)
+        last[episode.states] = np.arange(episode.steps + 1)  # later visits overwrite earlier ones
+        visited = np.flatnonzero(last >= 0)
+        visited = visited[visited != goal]
+        left = episode.steps - last[visited]
+        better = (remainder[visited] < 0) | (left < remainder[visited])
+        chosen = visited[better]
+        remainder[chosen] = left[better]
+        successor[chosen] = episode.states[last[chosen] + 1]
+    return SubGoals(successor, remainder, goal)
