@@ -32,11 +32,16 @@ class Babbler(Protocol):
         """Endless (B, M) commands for a bout that starts from rest."""
 
 
-def explore(body: Body, stream: Iterator[FloatArray], ticks: int) -> tuple[FloatArray, FloatArray]:
-    """Act for `ticks` from rest: (T, B, M) commands and (T + 1, B, S) sensations, the first at rest."""
+def explore(
+    body: Body, stream: Iterator[FloatArray], ticks: int, onward: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Act for `ticks` from rest: (T, B, M) commands and (T + 1, B, S) sensations, the first at rest.
+
+    With `onward`, the (B, S) last sensations, the body goes on from where it is instead.
+    """
     senses = np.empty((ticks + 1, body.copies, len(body.sense_low)))
     motors = np.empty((ticks, body.copies, len(body.motor_low)))
-    senses[0] = body.reset()
+    senses[0] = body.reset() if onward is None else onward
     for t in range(ticks):
         motors[t] = next(stream)
         senses[t + 1] = body.act(motors[t])

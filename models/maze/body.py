@@ -1,6 +1,7 @@
 """The maze as a body: five acts, a sense of place, and touch on four sides."""
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,7 +41,9 @@ class MazeBody:
         dynamics: (5, 5) `[action, outcome]`, rows sum to 1; None is `TRUE_DYNAMICS`.
     """
 
-    def __init__(self, maze: Maze, *, copies: int = 1, seed: int = 0, dynamics: ArrayLike | None = None) -> None:
+    def __init__(
+        self, maze: Maze, *, copies: int = 1, seed: int | Sequence[int] = 0, dynamics: ArrayLike | None = None
+    ) -> None:
         if copies < 1:
             raise BodyError(f"{copies} copies of a walker; at least 1 is needed")
         self.maze, self.copies = maze, copies
@@ -51,7 +54,7 @@ class MazeBody:
         for action, total in zip(ACTIONS, self.dynamics.sum(1), strict=True):
             if abs(total - 1) > 1e-9:
                 raise BodyError(f"dynamics: the row of action {action} sums to {total:g}, not to 1")
-        self._rng = np.random.default_rng([seed, 0x3A2E])
+        self._rng = np.random.default_rng([*np.atleast_1d(seed).tolist(), 0x3A2E])
         self._thresholds = np.cumsum(self.dynamics, axis=1)[:, :-1]
         self._cell: IntArray = np.full(copies, maze.number(maze.start))
 
