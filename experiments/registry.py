@@ -23,6 +23,7 @@ class Entry:
 EXPERIMENTS: dict[str, Entry] = {
     "gesture": Entry("gesture", "HOAP-2 babbles, watches a movement and reproduces it by Bayesian action selection"),
     "babble": Entry("babble", "a robot babbles and leaves its forward model in a file; interrupted, it goes on"),
+    "maze": Entry("maze", "the chapter's maze: wander, watch, imitate, infer intent, with its figures and its claims"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }
 
