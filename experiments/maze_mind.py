@@ -1,6 +1,5 @@
 """What every part of the maze experiment does: wander, watch, imitate, infer; wiring, no inference of its own."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -8,10 +7,9 @@ import numpy as np
 
 from babbling.axes import FloatArray, IntArray
 from babbling.forward_model import ForwardModel
-from babbling.loop import babble
-from babbling.moves import Places, Wanderer
+from babbling.moves import Places
 from imitation.episodes import Episode
-from imitation.follow import Journey, follow
+from imitation.follow import Journey, believed_likelihood, follow
 from imitation.intent import Intent, intent_by_step, intent_filter
 from imitation.priors import ActionPriors
 from imitation.subgoals import SubGoals, acyclic_subgoals
@@ -20,7 +18,6 @@ from models.maze import ACTIONS, Maze, MazeBody, Walk, demonstrate
 WANDERING, TEACHING, UNSEEN, IMITATING = range(1, 5)
 """Purposes of randomness: each has its own stream, so that none disturbs another."""
 
-LONGEST_BOUT = 20_000
 PATIENCE = 20
 """An imitation is given up after this many times its demonstrations' length."""
 
@@ -49,15 +46,6 @@ class Experience:
     def limit(self, goal: int) -> int:
         """Steps after which an imitation is given up."""
         return int(PATIENCE * max(5, np.mean([e.steps for e in self.towards(goal)])))
-
-
-def wander(
-    maze: Maze, steps: int, seed: int, after_bout: Callable[[int, ForwardModel], None] = lambda bout, model: None
-) -> ForwardModel:
-    """One walker's forward model after `steps` random steps (0: nothing learned)."""
-    plan = (LONGEST_BOUT,) * (steps // LONGEST_BOUT) + ((steps % LONGEST_BOUT,) if steps % LONGEST_BOUT else ())
-    body = MazeBody(maze, seed=[seed, WANDERING])
-    return babble(body, Wanderer(body, ACTIONS), plan, seed, after_bout=after_bout)
 
 
 def teach(maze: Maze, demonstrations: int, seed: int, purpose: int = TEACHING) -> list[Walk]:
@@ -90,6 +78,12 @@ def imitate(experience: Experience, goal: int, selection: str, seed: int) -> Jou
         rng=np.random.default_rng([seed, IMITATING]),
         limit=experience.limit(goal),
     )
+
+
+def believed_table(forward_model: ForwardModel) -> FloatArray:
+    """(A, O) what the imitator believes of its actions: learned rows, uniform where an action was never counted."""
+    outcomes = np.arange(forward_model.outcome.size)[:, None]
+    return believed_likelihood(forward_model, outcomes)[:, 0].T
 
 
 class Inferred(NamedTuple):
@@ -129,8 +123,3 @@ def junctions(maze: Maze) -> list[int]:
             right = [d[maze.lead] < d[:, None] for d in (one, two)]
             found |= set(np.flatnonzero(shared & ~(right[0] & right[1]).any(1)).tolist())
     return sorted(found)
-
-
-def same(values: Sequence[float]) -> list[float]:
-    """Rounded for people and for files: differences beyond the twelfth digit mean nothing."""
-    return [round(float(v), 12) for v in values]

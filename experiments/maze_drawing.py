@@ -1,0 +1,92 @@
+"""A maze on matplotlib axes, as the chapter draws it: thick black walls, an asterisk, shaded goals, grey for time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from babbling.axes import FloatArray, IntArray
+from models.maze import Maze
+
+GOAL_SHADES = ("white", "0.62", "0.25", "0.8", "0.45", "0.1", "0.7", "0.35", "0.9")
+"""Goal 1 is white, goal 2 grey, goal 3 dark, as in the chapter's Figure 5 (a)."""
+GOAL_COLOURS = ("#1b6ca8", "#d1495b", "#66a182", "#edae49", "#7b5ea7", "#00798c", "#8d6a3f", "#5c5c5c", "#b56576")
+"""One colour per goal where lines have to be told apart."""
+
+
+def wall_segments(maze: Maze) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Straight pieces of wall between cell corners, merged along their lines; cell (x, y) spans x +- 1/2, y +- 1/2."""
+    north = np.vstack([maze.walls[:1, :, 2], maze.walls[:, :, 0]])  # (height + 1, width) lines y = row + 1/2
+    east = np.hstack([maze.walls[:, :1, 3], maze.walls[:, :, 1]]).T  # (width + 1, height)
+    level = [((a + 0.5, y + 0.5), (b + 0.5, y + 0.5)) for y, row in enumerate(north) for a, b in _runs(row)]
+    upright = [((x + 0.5, a + 0.5), (x + 0.5, b + 0.5)) for x, row in enumerate(east) for a, b in _runs(row)]
+    return level + upright
+
+
+def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "black", width: float = 2.6) -> None:
+    """Walls, start and goals, equal aspect, ticks in cell coordinates."""
+    axes.add_collection(
+        LineCollection(wall_segments(maze), colors=colour, linewidths=width, capstyle="projecting", zorder=3)
+    )
+    if marks:
+        axes.plot(*maze.start, "*", color="black", markersize=11, zorder=4)
+        for shade, (x, y) in zip(GOAL_SHADES, maze.goals, strict=False):
+            axes.plot(x, y, "o", color=shade, markersize=11, markeredgecolor="black", markeredgewidth=1.2, zorder=2.5)
+    axes.set_xlim(0.2, maze.width + 0.8)
+    axes.set_ylim(0.2, maze.height + 0.8)
+    axes.set_aspect("equal")
+    axes.set_xticks(_ticks(maze.width))
+    axes.set_yticks(_ticks(maze.height))
+    axes.tick_params(length=0, labelsize=8)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+def draw_walks(
+    axes: Axes, walks: Sequence[IntArray | FloatArray], *, dashed: bool, width: float = 1.6, spread: float = 0.22
+) -> None:
+    """(T + 1, 2) walks from light grey (early) to black (late), offset within the cells for clarity.
+
+    Every walk keeps its own small offset; where it comes back to a cell it is shifted a little further each time.
+    """
+    offsets = np.linspace(-spread, spread, len(walks)) if len(walks) > 1 else [0.0]
+    for walk, offset in zip(walks, offsets, strict=True):
+        line = _separated(np.asarray(walk)) + offset
+        pieces = np.stack([line[:-1], line[1:]], axis=1)
+        moving = np.abs(np.diff(np.asarray(walk), axis=0)).sum(1) > 0
+        shades = 0.82 * (1 - np.linspace(0, 1, max(len(pieces), 2))[: len(pieces)])
+        axes.add_collection(
+            LineCollection(
+                pieces[moving],
+                colors=[(s, s, s) for s in shades[moving]],
+                linewidths=width,
+                linestyles=(0, (2.2, 1.1)) if dashed else "solid",
+                capstyle="butt" if dashed else "round",
+                zorder=3.5,
+            )
+        )
+
+
+def _separated(walk: IntArray) -> FloatArray:
+    """Shift later visits of a cell by up to a sixth of a cell so that a returning path does not cover itself."""
+    seen: dict[tuple[int, int], int] = {}
+    shifted = walk.astype(float)
+    for i, (x, y) in enumerate(walk.tolist()):
+        if i and walk[i].tolist() == walk[i - 1].tolist():
+            shifted[i] = shifted[i - 1]
+            continue
+        again = seen.get((x, y), 0)
+        seen[(x, y)] = again + 1
+        shifted[i] += 0.09 * (again % 3)
+    return shifted
+
+
+def _runs(row: np.ndarray) -> list[tuple[int, int]]:  # type: ignore[type-arg]
+    edges = np.diff(np.concatenate([[0], row.astype(int), [0]]))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
+
+
+def _ticks(size: int) -> list[int]:
+    step = max(1, round(size / 20)) * 5 if size > 10 else 1
+    return [1, *range(step, size + 1, step)] if step > 1 else list(range(1, size + 1))
