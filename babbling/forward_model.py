@@ -245,7 +245,11 @@ class ForwardModel:
         experience and k the prior strength: the learned prior over actions of Eq. (1) when there is no goal but to move
         as one is used to. Where nothing was tried and k is 0 the row is zero.
         """
-        return interpolate(self._cached("habit", self._habit), self.contexts, context)
+        return interpolate(self.habits(), self.contexts, context)
+
+    def habits(self) -> FloatArray:
+        """`[factor, context..., action]`: the whole table behind `habit`."""
+        return self._cached("habit", self._habit)
 
     def _habit(self) -> FloatArray:
         table = self.visits.copy()

@@ -30,9 +30,9 @@ class BodySchema:
     slope: FloatArray
     """(F,) posture per unit of command: commanded posture = offset + slope * motor."""
     noise: FloatArray
-    """(F,) standard deviation of the posture sense at rest."""
+    """(F,) standard deviation of the posture sense: at rest, and of its resolution (a step of r has r / sqrt(12))."""
     rate_noise: FloatArray
-    """(F,) standard deviation of the rate sense at rest."""
+    """(F,) the same of the rate sense."""
     information: FloatArray
     """(M, S) mutual information of motor and sense, bits: the picture of the body schema."""
 
@@ -108,8 +108,14 @@ def find_schema(
     follow[:, posture] = -1
     _, rate = linear_sum_assignment(-follow)
     offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
-    noise = resting.std(axis=0).mean(0)
+    noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
     return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
+
+
+def resolution(senses: FloatArray) -> FloatArray:
+    """(S,) finest step between two different readings in (N, S) sensations; 1e-6 at least."""
+    steps = np.diff(np.sort(senses, axis=0), axis=0)
+    return np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6)
 
 
 def _efference(

@@ -1,0 +1,69 @@
+"""What a babbler has learned of its own body: the pilot's findings and the counts, bound to the body that felt them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.body import Body
+from babbling.errors import BabblingError
+from babbling.forward_model import ForwardModel
+from babbling.loop import babble, bouts
+from babbling.pilot import Pilot, pilot
+
+
+@dataclass(frozen=True)
+class Temper:
+    """How a mind acts on what it knows, found by rehearsal (`imitation.rehearsal`), never set by hand."""
+
+    eagerness: FloatArray
+    """(F,) share of the believed error to be undone within one tick."""
+    habit: FloatArray
+    """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior."""
+
+    @classmethod
+    def cautious(cls, factors: int) -> "Temper":
+        """Before any rehearsal: half the error, full trust in habit."""
+        return cls(np.full(factors, 0.5), np.ones(factors))
+
+
+@dataclass(frozen=True)
+class Mind:
+    """Body schema, axes, dynamics (`pilot`) and forward model of one body."""
+
+    fingerprint: str
+    """Of the body that babbled; see `babbling.body.Body`."""
+    seed: int
+    pilot: Pilot
+    forward_model: ForwardModel
+    temper: Temper
+
+    def check(self, body: Body) -> None:
+        """Refuse to act with somebody else's body.
+
+        Raises:
+            BabblingError: the fingerprints differ.
+        """
+        if self.fingerprint != body.fingerprint:
+            raise BabblingError(
+                f"this forward model was learned by another body (fingerprint {self.fingerprint}, this body has "
+                f"{body.fingerprint}): same robot, wear and scramble are needed; babble anew"
+            )
+
+
+def learn(
+    body: Body, *, minutes: float, seed: int, after_bout: Callable[[int, ForwardModel], None] = lambda bout, model: None
+) -> Mind:
+    """Pilot and `minutes` of babbling (chapter, section 3.1): everything a mind knows of its body.
+
+    Args:
+        body: who babbles.
+        minutes: body time over all copies, the pilot's not counted in.
+        seed: randomness; the same seed gives the same mind, bit for bit.
+        after_bout: see `babbling.loop.babble`.
+    """
+    plan = bouts(minutes, body)
+    found = pilot(body, seed)
+    model = babble(body, found, plan, seed, after_bout=after_bout)
+    return Mind(body.fingerprint, seed, found, model, Temper.cautious(len(model.factors)))
