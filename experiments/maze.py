@@ -20,7 +20,7 @@ from experiments.maze_mind import (
     UNSEEN,
     Experience,
     Inferred,
-    believed_table,
+    believed_tables,
     imitate,
     infer,
     teach,
@@ -30,9 +30,9 @@ from experiments.maze_mind import (
 from experiments.maze_recall import in_new_process, recall
 from experiments.maze_recording import record
 from experiments.progress import progress
+from imitation.deferred import remember, save_memory
 from imitation.follow import Journey
 from imitation.intent import in_blocks
-from imitation.deferred import remember, save_memory
 from imitation.priors import check_goal_prior, check_smoothing
 from imitation.selection import selection_rule
 from models.maze import ACTIONS, TRUE_DYNAMICS, Maze, MazeBody, Walk, check_walk, default_maze, demonstrate, read_maze
@@ -110,7 +110,7 @@ def run(config: Config) -> Result:
         "figure_5": figure_5(
             maze,
             TRUE_DYNAMICS,
-            believed_table(experience.forward_model),
+            believed_tables(experience.forward_model)[0],
             metrics["forward_model"]["counted_transitions"],
         ),
         "figure_6": figure_6(maze, experience.priors.action(), walks, journey, config.goal, config.selection),
@@ -201,6 +201,7 @@ def _metrics(
     curve: Curve | None,
 ) -> dict[str, Any]:
     model, decisions, goal = experience.forward_model, journey.decisions, config.goal
+    table = believed_tables(model)[0]
     teacher = float(np.mean([walk.steps for walk in walks if walk.goal == goal]))
     true_goal = UNSEEN_GOAL - 1
     return {
@@ -214,9 +215,9 @@ def _metrics(
             "counted_transitions": model.transitions,
             "uniform": model.transitions == 0,
             "untried_actions": int((model.visits == 0).sum()),
-            "table": believed_table(model),
+            "table": table,
             "truth": TRUE_DYNAMICS,
-            "total_variation": float(np.abs(believed_table(model) - TRUE_DYNAMICS).sum(-1).mean() / 2),
+            "total_variation": float(np.abs(table - TRUE_DYNAMICS).sum(-1).mean() / 2),
         },
         "learning_curve": None
         if curve is None

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from babbling.axes import FloatArray
 from experiments.maze_drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_walks
@@ -17,10 +18,11 @@ from models.maze import ACTIONS, STEPS, Maze, Walk
 
 def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: int) -> Figure:
     """(a) the maze, (b) the five actions, (c) true and learned forward model side by side."""
-    figure = Figure(figsize=(11.5, 6.6), layout="constrained")
-    grid = figure.add_gridspec(2, 3, width_ratios=[1.75, 1, 1], height_ratios=[0.8, 1])
+    figure = Figure(figsize=(11.8, 5.9), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=[2.1, 1, 1.12], height_ratios=[0.82, 1])
     place = figure.add_subplot(grid[:, 0])
     draw_maze(place, maze)
+    place.set_anchor("N")
     place.set_title("(a)  maze, start (*) and goals", loc="left")
     for number, (x, y) in enumerate(maze.goals, 1):
         right = x > 0.8 * maze.width
@@ -67,9 +69,7 @@ def _draw_actions(axes: Axes) -> None:
     axes.set_axis_off()
 
 
-def _square(x: float, y: float):  # type: ignore[no-untyped-def]
-    from matplotlib.patches import Rectangle
-
+def _square(x: float, y: float) -> Rectangle:
     return Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor="none", edgecolor="0.75", lw=0.8)
 
 
@@ -154,7 +154,7 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
         axes.set_ylabel("$P(s_G)$" if i < 2 else "")
         axes.set_xlabel(f"step (means over {block}, the last over {last})" if i == 1 else "step" if i % 2 else "")
         if i == 0:
-            axes.legend(frameon=False, fontsize=9, ncols=3, loc="upper left")
+            axes.legend(frameon=False, fontsize=9, loc="center right")
     return figure
 
 
@@ -179,4 +179,37 @@ def learning_curve(curve: Curve) -> Figure:
         beside.set_xlabel("counted visits of the row")
         beside.legend(frameon=False)
         beside.grid(alpha=0.25, which="both")
+    return figure
+
+
+METHOD_STYLE = {
+    "imitation": ("#1b6ca8", "o"),
+    "value iteration, walls known": ("#66a182", "s"),
+    "value iteration, replanning": ("#7b5ea7", "D"),
+    "value iteration, walls discovered": ("#edae49", "^"),
+    "Q-learning": ("#d1495b", "v"),
+}
+
+
+def trials_figure(curves: dict[str, dict[int, dict[str, list[float]]]], reliable: float) -> Figure:
+    """Share of runs that arrive within three times the least expected steps, by own steps; one panel per goal."""
+    goals = sorted(next(iter(curves.values())))
+    figure = Figure(figsize=(4.4 * len(goals) + 0.6, 4.6), layout="constrained")
+    panels = figure.subplots(1, len(goals), sharey=True, sharex=True, squeeze=False)[0]
+    for axes, goal in zip(panels, goals, strict=True):
+        for method, lines in curves.items():
+            colour, marker = METHOD_STYLE[method]
+            steps, share = np.array(lines[goal]["steps"]), np.array(lines[goal]["share"])
+            axes.semilogx(steps, share, "-", marker=marker, color=colour, markersize=4.5, lw=1.6, label=method)
+            enough = np.flatnonzero(share >= reliable)
+            if enough.size:
+                axes.axvline(steps[enough[0]], color=colour, lw=0.9, ls=":", ymax=0.955)
+        axes.axhline(reliable, color="black", lw=0.9, ls="--")
+        axes.set_title(f"Goal {goal}", loc="left", fontsize=11)
+        axes.set_xlabel("own steps in the maze")
+        axes.grid(alpha=0.25)
+        axes.set_ylim(-0.03, 1.05)
+    panels[0].set_ylabel("share of runs within 3 x the least steps")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False, fontsize=9)
     return figure

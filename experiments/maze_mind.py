@@ -80,10 +80,11 @@ def imitate(experience: Experience, goal: int, selection: str, seed: int) -> Jou
     )
 
 
-def believed_table(forward_model: ForwardModel) -> FloatArray:
-    """(A, O) what the imitator believes of its actions: learned rows, uniform where an action was never counted."""
+def believed_tables(forward_model: ForwardModel) -> FloatArray:
+    """(F, A, O) what imitators believe of their actions: learned rows, uniform where an action was never counted."""
     outcomes = np.arange(forward_model.outcome.size)[:, None]
-    return believed_likelihood(forward_model, outcomes)[:, 0].T
+    every = believed_likelihood(forward_model, np.broadcast_to(outcomes, (len(outcomes), len(forward_model.factors))))
+    return np.moveaxis(every, 0, -1)
 
 
 class Inferred(NamedTuple):

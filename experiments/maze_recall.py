@@ -15,8 +15,8 @@ import numpy as np
 from babbling.moves import Wanderer
 from experiments.experiment import ExperimentError
 from experiments.maze_mind import Experience, imitate
-from imitation.follow import Decisions, Journey
 from imitation.deferred import load_memory
+from imitation.follow import Decisions, Journey
 from models.maze import ACTIONS, Maze, MazeBody, draw, parse_maze
 
 

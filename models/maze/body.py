@@ -96,7 +96,11 @@ class MazeBody:
     def reset(self) -> FloatArray:
         """All walkers to the start; returns their (B, 6) sensations."""
         self._cell = np.full(self.copies, self.maze.number(self.maze.start))
-        return self._senses()
+        return self.feel()
+
+    def put_back(self, who: NDArray[np.bool_]) -> None:
+        """Those outside lift (B,) some walkers back to the start (a new trial for learners by trial and error)."""
+        self._cell[who] = self.maze.number(self.maze.start)
 
     def act(self, motors: FloatArray) -> FloatArray:
         """(B, 1) action numbers; returns the (B, 6) sensations after one step.
@@ -110,9 +114,10 @@ class MazeBody:
             raise BodyError(f"action {bad:g}: the walker knows 0 to {len(ACTIONS) - 1} ({', '.join(ACTIONS)})")
         outcome = (self._rng.random((self.copies, 1)) >= self._thresholds[action]).sum(1)
         self._cell = self.maze.lead[self._cell, outcome]
-        return self._senses()
+        return self.feel()
 
-    def _senses(self) -> FloatArray:
+    def feel(self) -> FloatArray:
+        """(B, 6) sensations now."""
         senses = np.empty((self.copies, 6))
         senses[:, 0] = self._cell % self.maze.width + 1
         senses[:, 1] = self._cell // self.maze.width + 1
