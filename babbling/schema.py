@@ -70,7 +70,8 @@ def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatA
             independent = p.sum(1, keepdims=True) * p.sum(0, keepdims=True)
             seen = p > 0
             result[i, j] = (p[seen] * np.log2(p[seen] / independent[seen])).sum()
-    return np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0)
+    information: FloatArray = np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0)
+    return information
 
 
 def find_schema(
@@ -115,7 +116,8 @@ def find_schema(
 def resolution(senses: FloatArray) -> FloatArray:
     """(S,) finest step between two different readings in (N, S) sensations; 1e-6 at least."""
     steps = np.diff(np.sort(senses, axis=0), axis=0)
-    return np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6)
+    finest: FloatArray = np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6)
+    return finest
 
 
 def _efference(

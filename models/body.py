@@ -118,7 +118,7 @@ class SimulatedBody:
         """
         if not np.isfinite(motors).all():
             raise BodyError(f"{self.name}: a motor command is not a number at {self.time:.2f} s")
-        command = self._centre + self._half * self.wiring.fractions(np.asarray(motors, float))
+        command = self.commands(np.asarray(motors, float))
         play = self.wear.backlash / 2
         np.clip(self._played, command - play, command + play, out=self._played)
         self.batch.ctrl[:] = self._played
@@ -127,6 +127,11 @@ class SimulatedBody:
         self.time += self.tick_s
         self._check(self.batch.warning - warnings)
         return self._feel()
+
+    def commands(self, motors: FloatArray) -> FloatArray:
+        """(..., M) motor lines as angles asked of the servos (before any play of their gears)."""
+        commands: FloatArray = self._centre + self._half * self.wiring.fractions(motors)
+        return commands
 
     @property
     def joint_angles(self) -> FloatArray:

@@ -1,0 +1,74 @@
+"""Watching: a demonstration, by name or from a file, becomes a movement in the imitator's own senses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from imitation.movement import Movement
+from models.body import SimulatedBody
+from models.errors import BodyError
+from models.hoap2.facts import JOINTS
+from models.motion import FORMATS, JointTrajectory, read_motion
+from models.retargeting import Retargeted, retarget
+from models.teachers import Performance, perform
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was watched, for the imitator (`movement`) and for those who judge (all else)."""
+
+    movement: Movement
+    angles: NDArray[np.float64]
+    """(T, J) demonstrated joint angles in the body's own order, rad."""
+    performance: Performance | None
+    """The teacher as it was seen; None when joint angles were given directly."""
+    retargeted: Retargeted | None
+
+
+def watch(demonstration: str, body: SimulatedBody) -> Seen:
+    """See a demonstration with this body's eyes.
+
+    Joint trajectories (.csv, .npz) are taken as they are; teachers (built-in, .amc) through limb directions and the
+    identity correspondence of the chapter (inverse kinematics on HOAP-2).
+
+    Raises:
+        BodyError: an unknown name, a broken file, joints this body does not have.
+    """
+    suffix = Path(demonstration).suffix.lower()
+    if suffix in FORMATS:
+        ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
+        trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints)
+        return _seen(trajectory, body, None, None)
+    performance = perform(demonstration)
+    if set(body.joints) != set(JOINTS):
+        raise BodyError(
+            f"{body.name}: limb directions can be shown to hoap2 only; give this robot joint angles "
+            f"({' or '.join(sorted(FORMATS))} with columns {', '.join(body.joints[:3])} ...)"
+        )
+    retargeted = retarget(performance, body.tick_s)
+    return _seen(retargeted.trajectory.reordered(body.joints), body, performance, retargeted)
+
+
+def _seen(
+    trajectory: JointTrajectory, body: SimulatedBody, performance: Performance | None, retargeted: Retargeted | None
+) -> Seen:
+    even = trajectory if retargeted is not None else trajectory.resampled(body.tick_s)
+    angles = np.asarray(even.angles, float)
+    return Seen(Movement(trajectory.name, body.tick_s, body.sensations(angles)), angles, performance, retargeted)
+
+
+def retarget_metrics(seen: Seen) -> Mapping[str, Any]:
+    """How well limb directions could be met at all; zeros when joint angles were given."""
+    r = seen.retargeted
+    if r is None:
+        return {"retarget_error_deg": 0.0, "retarget_reachable_error_deg": 0.0, "unreachable_share": 0.0}
+    return {
+        "retarget_error_deg": r.mean_error_deg,
+        "retarget_reachable_error_deg": float(np.mean(r.reachable_error_deg)),
+        "unreachable_share": r.unreachable_share,
+        "retarget_error_deg_by_part": {part: float(np.mean(e)) for part, e in r.error_deg.items()},
+    }
