@@ -19,7 +19,7 @@ from models.maze import ACTIONS, STEPS, Maze, Walk
 def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: int) -> Figure:
     """(a) the maze, (b) the five actions, (c) true and learned forward model side by side."""
     figure = Figure(figsize=(11.8, 5.9), layout="constrained")
-    grid = figure.add_gridspec(2, 3, width_ratios=[2.1, 1, 1.12], height_ratios=[0.82, 1])
+    grid = figure.add_gridspec(2, 3, width_ratios=[2.05, 1, 1], height_ratios=[0.82, 1])
     place = figure.add_subplot(grid[:, 0])
     draw_maze(place, maze)
     place.set_anchor("N")
@@ -33,22 +33,20 @@ def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: in
     actions = figure.add_subplot(grid[0, 1:])
     _draw_actions(actions)
     actions.set_title("(b)  actions", loc="left")
-    for column, (title, table) in enumerate(
-        (("(c)  actual", truth), (f"learned from {transitions} transitions", learned))
-    ):
-        axes = figure.add_subplot(grid[1, 1 + column])
+    tables = [figure.add_subplot(grid[1, 1 + column]) for column in range(2)]
+    titles = ("(c)  actual", f"learned from {transitions} transitions")
+    for axes, title, table in zip(tables, titles, (truth, learned), strict=True):
         picture = axes.imshow(table, cmap="gray", vmin=0, vmax=1)
         for (row, col), value in np.ndenumerate(table):
-            axes.text(col, row, f"{value:.2f}".lstrip("0"), ha="center", va="center", fontsize=8,
-                      color="white" if value < 0.5 else "black")  # fmt: skip
+            shade = "white" if value < 0.5 else "black"
+            axes.text(col, row, f"{value:.2f}".lstrip("0"), ha="center", va="center", fontsize=8, color=shade)
         axes.set_xticks(range(5), ACTIONS)
         axes.set_yticks(range(5), ACTIONS)
         axes.set_xlabel("$s_{t+1}$ relative to $s_t$")
-        axes.set_ylabel("$a_t$" if column == 0 else "")
         axes.set_title(title, loc="left", fontsize=10)
         axes.tick_params(length=0)
-        if column:
-            figure.colorbar(picture, ax=axes, shrink=0.8, label="$P(s_{t+1} \\mid s_t, a_t)$")
+    tables[0].set_ylabel("$a_t$")
+    figure.colorbar(picture, ax=tables, shrink=0.85, label="$P(s_{t+1} \\mid s_t, a_t)$")
     return figure
 
 

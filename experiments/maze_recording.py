@@ -197,7 +197,7 @@ def _blueprint(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure
     def world(name: str, title: str) -> rrb.Spatial3DView:
         across = max(maze.width, maze.height)
         centre = ((maze.width + 1) / 2, (maze.height + 1) / 2, 0.0)
-        eye = (centre[0], centre[1] - 0.36 * across, 1.02 * across)
+        eye = (centre[0], centre[1] - 0.38 * across, 1.1 * across)
         controls = rrb.EyeControls3D(position=eye, look_target=centre)
         return rrb.Spatial3DView(origin=f"/{name}", name=title, line_grid=False, background=[30, 34, 40],
                                  eye_controls=controls)  # fmt: skip
