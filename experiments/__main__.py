@@ -50,8 +50,8 @@ def run(name: str, words: list[str]) -> int:
         config = tyro.cli(module.Config, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
     except SystemExit as stop:
         return 0 if stop.code in (0, None) else 2
-    if hasattr(module, "main"):
-        module.main(config)
+    if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
+        module.command(config)
         return 0
     if config.out is not None:
         check_out(config.out)

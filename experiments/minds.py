@@ -20,7 +20,7 @@ from models.body import SimulatedBody
 from models.loading import load_body
 
 COPIES = 64
-DEFAULT_MINUTES = 30.0
+DEFAULT_MINUTES = 20.0
 BARE_TICKS = 100
 
 

@@ -88,6 +88,9 @@ class SimulatedBody:
         low = np.concatenate([self.joint_range[:, 0], -speed])[self.wiring.sense]
         high = np.concatenate([self.joint_range[:, 1], speed])[self.wiring.sense]
         self.sense_low, self.sense_high = low, high
+        labels = (*self.joints, *(f"{joint} speed" for joint in self.joints))
+        self.sense_labels = tuple(labels[i] for i in self.wiring.sense)  # for people only
+        self.motor_labels = tuple(self.joints[j] for j in np.argsort(self.wiring.motor))
         self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
         self.batch = mujoco.batch.Batch(model, copies, threads)
         self._played = np.zeros((copies, motors))
@@ -138,6 +141,13 @@ class SimulatedBody:
         """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
         angles: FloatArray = self.batch.qpos[:, self._qpos]
         return angles
+
+    def configurations(self, angles: FloatArray) -> FloatArray:
+        """(T, nq) configurations of the model with these (T, M) joint angles, all else at rest: to draw it."""
+        rest: FloatArray = self.model.key_qpos[self._key] if self._key >= 0 else self.model.qpos0
+        configurations = np.tile(rest, (len(angles), 1))
+        configurations[:, self._qpos] = angles
+        return configurations
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines that command these joint angles (..., M): what a replay that knows the wiring sends."""

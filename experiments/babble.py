@@ -1,0 +1,78 @@
+"""A robot babbles and leaves what it learned in a file; interrupted, the same command goes on where it stopped."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.markdown import Markdown
+
+from experiments.experiment import ExperimentError, as_json
+from experiments.gesture import curve_metrics
+from experiments.gesture_figures import learning_curve
+from experiments.minds import DEFAULT_MINUTES, BodyOptions, learn_mind, save_learned
+from experiments.progress import progress
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate babble`."""
+
+    robot: str = "hoap2"
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
+    babbling_minutes: float = DEFAULT_MINUTES
+    """Body-minutes of babbling, over all copies."""
+    sensor_noise_deg: float = 0.0
+    """Standard deviation of every angle sense, degrees."""
+    scramble: int | None = None
+    """Seed of an unknown wiring between mind and body."""
+    seed: int = 0
+    """Seed of everything random."""
+    threads: int = 2
+    """Worker threads; the result does not depend on it."""
+    out: Path | None = None
+    """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
+
+
+def command(config: Config) -> None:
+    """Babble into a file.
+
+    While it runs, FILE.partial holds what was learned so far; it is gone when FILE is complete.
+
+    Raises:
+        ExperimentError: the file cannot be written, or an interrupted babble of other options is in the way.
+    """
+    out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
+    if out.is_dir():
+        raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'hoap2.nc'}")
+    checkpoint = out.with_name(out.name + ".partial")
+    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
+    with progress(f"{config.robot} babbles") as report:
+        learned = learn_mind(options, config.babbling_minutes, report, checkpoint=checkpoint)
+    save_learned(learned, out, options, config.babbling_minutes)
+    checkpoint.unlink(missing_ok=True)
+    metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
+    out.with_suffix(".json").write_text(as_json(metrics))
+    assert learned.curve is not None
+    learning_curve(learned.curve).savefig(out.with_suffix(".png"), dpi=130)
+    rows = [
+        ("body time", f"{metrics['babbling_body_minutes']:.1f} + {metrics['pilot_body_minutes']:.1f} minutes (pilot)"),
+        ("transitions", f"{metrics['babbling_transitions']:,} over {len(learned.mind.forward_model.factors)} factors"),
+        ("wall time of the babble", f"{metrics['babbling_wall_s']:.1f} s"),
+        ("held-out error, one tick ahead", f"{metrics['learning_curve_table_deg'][-1]:.4f} deg"),
+        ("the same, least-squares line", f"{metrics['learning_curve_linear_deg'][-1]:.4f} deg"),
+    ]
+    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+    Console().print(Markdown(table))
+    print(f"\nwritten to {out} (and {out.with_suffix('.png').name}, {out.with_suffix('.json').name} beside it)")
+
+
+def main() -> int:
+    """`python -m experiments.babble`."""
+    from experiments.__main__ import main as command_line
+
+    return command_line(["babble", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,219 @@
+"""HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.baselines import direct_replay, rmse_deg
+from experiments.experiment import ExperimentError, Result
+from experiments.gesture_figures import figures
+from experiments.gesture_recording import record
+from experiments.minds import DEFAULT_MINUTES, BodyOptions, Learned, learn_mind, take_mind
+from experiments.progress import progress
+from experiments.watching import Seen, retarget_metrics, watch
+from imitation.inverse import LinearInverse
+from imitation.loop import Attempt, imitate
+from imitation.rehearsal import best_eagerness
+from imitation.selection import selection_rule
+from models.body import SimulatedBody
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate gesture`."""
+
+    demonstration: str = "icub-wave"
+    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles)."""
+    selection: str = "mean"
+    """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
+    attempts: int = 1
+    """How often to try; each attempt corrects what the one before missed."""
+    babbling_minutes: float = DEFAULT_MINUTES
+    """Body-minutes of babbling, over all copies."""
+    forward_model: Path | None = None
+    """A forward model that `imitate babble` left; no babbling then."""
+    robot: str = "hoap2"
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
+    sensor_noise_deg: float = 0.0
+    """Standard deviation of every angle sense, degrees."""
+    scramble: int | None = None
+    """Seed of an unknown wiring between mind and body."""
+    seed: int = 0
+    """Seed of everything random."""
+    threads: int = 2
+    """Worker threads; the result does not depend on it."""
+    out: Path | None = None
+    """Folder for the results (runs/gesture)."""
+
+
+@dataclass(frozen=True)
+class Performed:
+    """Everything that one run of the experiment produced, for figures and the recording."""
+
+    config: Config
+    body: SimulatedBody
+    seen: Seen
+    learned: Learned
+    attempts: list[Attempt]
+    replayed: NDArray[np.float64]
+    metrics: dict[str, Any]
+    summary: str
+
+    @property
+    def imitated(self) -> NDArray[np.float64]:
+        """(T, J) true joint angles of the last attempt."""
+        return self.attempts[-1].truth[:, 0]
+
+    @property
+    def factors(self) -> NDArray[np.intp]:
+        """(J,) factor of each joint, by the sense it moves."""
+        labels = [self.body.sense_labels[line] for line in self.learned.mind.pilot.schema.posture]
+        return np.array([labels.index(joint) if joint in labels else 0 for joint in self.body.joints])
+
+    @property
+    def busiest(self) -> NDArray[np.intp]:
+        """Joints by how much they move, most first."""
+        return np.argsort(-self.seen.angles.std(0), kind="stable")
+
+
+class TrueAngles:
+    """Reads the body's joint angles, for those who judge."""
+
+    def __init__(self, body: SimulatedBody) -> None:
+        self.body = body
+
+    def read(self) -> NDArray[np.float64]:
+        """(B, J)."""
+        return self.body.joint_angles
+
+
+def run(config: Config) -> Result:
+    """Watch, babble, imitate, measure."""
+    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
+    if config.attempts < 1:
+        raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
+    selection_rule(config.selection)
+    body = options.body(1, stream=3)
+    seen = watch(config.demonstration, body)
+    if config.forward_model is not None:
+        learned = take_mind(config.forward_model, options)
+    else:
+        with progress(f"{config.robot} babbles") as report:
+            learned = learn_mind(options, config.babbling_minutes, report)
+    mind = learned.mind
+    print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
+    attempts = imitate(
+        body,
+        seen.movement,
+        mind,
+        selection=config.selection,
+        attempts=config.attempts,
+        rng=np.random.default_rng([config.seed, 8]),
+        witness=TrueAngles(body),
+    )
+    line = LinearInverse(mind.forward_model)
+    eagerness = best_eagerness(lambda copies: options.body(copies, stream=1), mind, line, config.seed)
+    peer = imitate(
+        body,
+        seen.movement,
+        mind,
+        inverse=line,
+        eagerness=eagerness,
+        rng=np.random.default_rng([config.seed, 9]),
+        witness=TrueAngles(body),
+    )[0]
+    replayed = direct_replay(body, seen.angles)
+    metrics = measure(config, body, seen, learned, attempts, peer, replayed)
+    done = Performed(config, body, seen, learned, attempts, replayed, metrics, summarise(metrics, seen))
+    return Result(metrics, done.summary, figures(done), lambda path: record(path, done))
+
+
+def measure(
+    config: Config,
+    body: SimulatedBody,
+    seen: Seen,
+    learned: Learned,
+    attempts: list[Attempt],
+    peer: Attempt,
+    replayed: NDArray[np.float64],
+) -> dict[str, Any]:
+    """The numbers of metrics.json."""
+    last = attempts[-1]
+    error = np.rad2deg(last.truth[:, 0] - seen.angles)
+    labels = [body.sense_labels[sense] for sense in learned.mind.pilot.schema.posture]
+    right = np.mean([label == joint for label, joint in zip(labels, body.motor_labels, strict=True)])
+    select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in attempts])
+    return {
+        "demonstration": config.demonstration,
+        "robot": config.robot,
+        "selection": config.selection,
+        "seed": config.seed,
+        "frames": len(seen.angles),
+        "tick": body.tick_s,
+        "joint_rmse_deg": float(np.sqrt(np.mean(error**2))),
+        "joint_rmse_deg_by_joint": dict(zip(body.joints, np.sqrt(np.mean(error**2, axis=0)).tolist(), strict=True)),
+        "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in attempts],
+        "direct_replay_rmse_deg": rmse_deg(replayed, seen.angles),
+        "linear_peer_rmse_deg": rmse_deg(peer.truth[:, 0], seen.angles),
+        "uninformed_selections": last.uninformed,
+        "selections": last.selections,
+        "never_tried_share": float(np.mean(last.familiarity < 1)),
+        "mean_entropy_bits": float(last.entropy.mean()),
+        "select_p50_ms": float(np.median(select_ms)),
+        "select_p99_ms": float(np.quantile(select_ms, 0.99)),
+        "body_schema_correct_share": float(right),
+        "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
+        "habit_mean": float(learned.mind.temper.habit.mean()),
+        **retarget_metrics(seen),
+        **learned.metrics,
+        **curve_metrics(learned),
+    }
+
+
+def curve_metrics(learned: Learned) -> dict[str, Any]:
+    """The learning curve's numbers; nothing for a mind from a file."""
+    if learned.curve is None:
+        return {}
+    return {
+        "learning_curve_body_minutes": learned.curve.minutes,
+        "learning_curve_table_deg": learned.curve.table_deg,
+        "learning_curve_linear_deg": learned.curve.linear_deg,
+    }
+
+
+def summarise(metrics: dict[str, Any], seen: Seen) -> str:
+    """The result as a markdown table."""
+    rows = [
+        (
+            "joint error, imitated (attempt " + f"{len(metrics['attempts_rmse_deg'])})",
+            f"{metrics['joint_rmse_deg']:.4f} deg",
+        ),
+        ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
+        ("joint error, direct replay", f"{metrics['direct_replay_rmse_deg']:.4f} deg"),
+        ("joint error, linear inverse model in the same loop", f"{metrics['linear_peer_rmse_deg']:.4f} deg"),
+        ("limb directions off (what this body cannot do included)", f"{metrics['retarget_error_deg']:.2f} deg"),
+        (
+            "babbling",
+            f"{metrics['babbling_body_minutes']:.1f} body-minutes + {metrics['pilot_body_minutes']:.1f} pilot",
+        ),
+        ("one selection, all joints", f"{metrics['select_p50_ms']:.2f} ms of {1e3 * metrics['tick']:.0f} ms"),
+        ("selections where Eq. (1) was 0/0", f"{metrics['uninformed_selections']} of {metrics['selections']}"),
+        ("motors whose joint babbling found", f"{metrics['body_schema_correct_share']:.0%}"),
+    ]
+    title = f"**{seen.movement.name}**, {metrics['frames'] * metrics['tick']:.1f} s, by {metrics['robot']}"
+    return "\n".join([title, "", "| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+
+
+def main() -> int:
+    """`python -m experiments.gesture`."""
+    from experiments.__main__ import main as command_line
+
+    return command_line(["gesture", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
