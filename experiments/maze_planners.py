@@ -80,9 +80,7 @@ def arrivals(
     body.reset()
     arrived = np.zeros(walkers, bool)
     for _ in range(limit):
-        cell = body.cell
-        body.act(policy[owner, cell][:, None].astype(float))
-        arrived |= body.cell == goal
+        arrived |= body.move(policy[owner, body.cell]) == goal
         if arrived.all():
             break
     return arrived.reshape(len(policy), episodes)
@@ -152,7 +150,7 @@ def wanderers(
 
 
 def replanners(
-    maze: Maze, goal: int, copies: int, budgets: Sequence[int], seed: int, first: int = 300, sweeps: int = 4
+    maze: Maze, goal: int, copies: int, budgets: Sequence[int], seed: int, first: int = 300, sweeps: int = 3
 ) -> Iterator[Known]:
     """What planners know who wander `first` steps and then walk by their own optimistic plan, trial after trial.
 
@@ -203,32 +201,34 @@ class QLearners:
         goal = np.broadcast_to(self.goals[:, None, None], shape).reshape(size)
 
         def spread(values: list[float]) -> FloatArray:
-            return np.broadcast_to(np.array(values, float)[None, :, None], shape).reshape(size)
+            return np.broadcast_to(np.array(values, float)[None, :, None], shape).reshape(size).copy()
 
         rate, epsilon = spread([s.rate for s in Q_SETTINGS]), spread([s.explore for s in Q_SETTINGS])
         discount, cost = spread([s.discount for s in Q_SETTINGS]), spread([-float(s.optimistic) for s in Q_SETTINGS])
         prize = 1 + cost  # +1 at the goal for those who pay nothing on the way
         body, rng = MazeBody(self.maze, copies=size, seed=(self.seed, 15)), np.random.default_rng([self.seed, 16])
         q = np.zeros((size, self.maze.cells, len(ACTIONS)))
-        visits = np.zeros(q.shape, np.int32)
+        visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
+        exponent, longest = rate[decaying].copy(), 4 * self.maze.cells
         row, age = np.arange(size), np.zeros(size, int)
         body.reset()
+        cell = body.cell
         for step in range(1, budgets[-1] + 1):
-            cell = body.cell
             here = q[row, cell]
             noise = rng.random((size, len(ACTIONS) + 1))
-            best = np.where(here == here.max(1, keepdims=True), noise[:, 1:], -1.0).argmax(1)
+            best = np.where(here == here.max(1)[:, None], noise[:, 1:], -1.0).argmax(1)
             action = np.where(noise[:, 0] < epsilon, (noise[:, 1] * len(ACTIONS)).astype(int), best)
-            body.act(action[:, None].astype(float))
-            there = body.cell
+            there = body.move(action)
             arrived = there == goal
             target = np.where(arrived, prize + cost, cost + discount * q[row, there].max(1))
-            visits[row, cell, action] += 1
-            size_of_step = np.where(rate > 0, rate, visits[row, cell, action] ** np.minimum(rate, 0.0))
-            q[row, cell, action] += size_of_step * (target - here[row, action])
+            visits[row[decaying], cell[decaying], action[decaying]] += 1
+            rate[decaying] = visits[row[decaying], cell[decaying], action[decaying]] ** exponent
+            q[row, cell, action] += rate * (target - here[row, action])
             age += 1
-            over = arrived | (age >= 4 * self.maze.cells)
-            body.put_back(over)
-            age[over] = 0
+            over = arrived | (age >= longest)
+            if over.any():
+                body.put_back(over)
+                age[over] = 0
+            cell = body.cell
             if step in budgets:
                 yield q.argmax(-1).reshape(*shape, self.maze.cells)

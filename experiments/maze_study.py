@@ -39,8 +39,10 @@ SELECTIONS = ("map", "matching")
 LEARNERS, EPISODES = 30, 10
 IMITATION_BUDGETS = (25, 50, 100, 200, 300, 500, 700, 1000)
 WANDER_BUDGETS = (*IMITATION_BUDGETS, 2000, 3000, 5000, 7000, 10_000, 20_000, 30_000, 50_000, 70_000, 100_000, 200_000)
-REPLAN_BUDGETS = (300, 500, 700, 1000, 1500, 2000, 3000, 5000)
+REPLAN_BUDGETS = (300, 500, 700, 1000, 1500, 2000, 3000)
 Q_BUDGETS = (10_000, 20_000, 30_000, 50_000, 70_000, 100_000, 150_000, 200_000, 300_000, 400_000)
+
+NEVER: dict[str, list[float]] = {"steps": [], "share": []}
 
 Report = Callable[[float], None]
 
@@ -198,14 +200,16 @@ def _trials(
         note(method, goal, budget, float(arrived.mean()))
 
     wandered = wanderers(maze, LEARNERS, WANDER_BUDGETS, seed + 3, lambda done: report(0.04 + 0.36 * done))
-    for budget, known in zip(WANDER_BUDGETS, wandered, strict=True):
+    for budget, known in zip(WANDER_BUDGETS, wandered, strict=False):
         for goal in goals:
             if budget <= IMITATION_BUDGETS[-1]:
                 evaluate("value iteration, walls known", goal, budget, known, maze.lead[None])
             if budget >= IMITATION_BUDGETS[-1]:
                 evaluate("value iteration, walls discovered", goal, budget, known, known.lead)
+        if all(reliable_from(line) for line in curves.get("value iteration, walls discovered", {0: NEVER}).values()):
+            break
     for goal in goals:
-        planned = replanners(maze, cells[goal], LEARNERS, REPLAN_BUDGETS, seed + 4)
+        planned = replanners(maze, cells[goal], LEARNERS // 2, REPLAN_BUDGETS, seed + 4)
         for budget, known in zip(REPLAN_BUDGETS, planned, strict=True):
             evaluate("value iteration, replanning", goal, budget, known, known.lead)
         report(0.4 + 0.15 * goal / len(goals))

@@ -100,7 +100,7 @@ class MazeBody:
 
     def put_back(self, who: NDArray[np.bool_]) -> None:
         """Those outside lift (B,) some walkers back to the start (a new trial for learners by trial and error)."""
-        self._cell[who] = self.maze.number(self.maze.start)
+        self._cell = np.where(who, self.maze.number(self.maze.start), self._cell)
 
     def act(self, motors: FloatArray) -> FloatArray:
         """(B, 1) action numbers; returns the (B, 6) sensations after one step.
@@ -112,9 +112,14 @@ class MazeBody:
         if ((action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])).any():
             bad = motors[(action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])].flat[0]
             raise BodyError(f"action {bad:g}: the walker knows 0 to {len(ACTIONS) - 1} ({', '.join(ACTIONS)})")
+        self.move(action)
+        return self.feel()
+
+    def move(self, action: IntArray) -> IntArray:
+        """What `act` does, for (B,) whole action numbers; returns the (B,) cells, for those outside who watch."""
         outcome = (self._rng.random((self.copies, 1)) >= self._thresholds[action]).sum(1)
         self._cell = self.maze.lead[self._cell, outcome]
-        return self.feel()
+        return self._cell
 
     def feel(self) -> FloatArray:
         """(B, 6) sensations now."""

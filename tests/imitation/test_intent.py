@@ -1,0 +1,65 @@
+"""Intent over time: the filter is the posterior given everything seen, by enumeration; nothing is counted twice."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from imitation.errors import ImitationError
+from imitation.intent import in_blocks, intent_by_step, intent_filter
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds, st.integers(1, 12), st.integers(1, 5))
+def test_the_filter_is_the_posterior_of_the_whole_past(seed, steps, goals):
+    rng = np.random.default_rng(seed)
+    seen, prior, start = rng.random((steps, goals)) + 1e-3, rng.dirichlet(np.ones(goals)), rng.random(goals) + 1e-3
+    for first in (None, start):
+        found = intent_filter(seen, prior, first)
+        for t in range(steps):
+            joint = prior * np.prod(seen[: t + 1], axis=0) * (1 if first is None else first)
+            np.testing.assert_allclose(found.probability[t], joint / joint.sum(), atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds, st.integers(1, 12), st.integers(1, 5))
+def test_step_by_step_each_step_stands_alone(seed, steps, goals):
+    rng = np.random.default_rng(seed)
+    seen, here = rng.random((2, steps, goals)) + 1e-3
+    prior = rng.dirichlet(np.ones(goals))
+    joint = seen * here * prior
+    found = intent_by_step(seen, prior, here)
+    np.testing.assert_allclose(found.probability, joint / joint.sum(1, keepdims=True), atol=1e-12)
+    any_positive = rng.random((steps, 1)) + 0.1
+    again = intent_by_step(seen, prior, here, any_positive)
+    np.testing.assert_allclose(again.probability, found.probability, atol=1e-12)
+    order = rng.permutation(steps)
+    np.testing.assert_allclose(intent_by_step(seen[order], prior, here[order]).probability, found.probability[order])
+
+
+def test_a_step_no_goal_explains_says_nothing_and_is_counted():
+    seen = np.array([[0.9, 0.1], [0.0, 0.0], [0.9, 0.1]])
+    prior = np.array([0.5, 0.5])
+    found = intent_filter(seen, prior)
+    assert found.uninformed_steps == 1 and found.informed.tolist() == [True, False, True]
+    assert found.probability[1].tolist() == found.probability[0].tolist()
+    assert found.probability[2, 0] > found.probability[1, 0]
+    alone = intent_by_step(seen, prior)
+    assert alone.uninformed_steps == 1 and alone.probability[1].tolist() == [0.5, 0.5]
+    assert np.isfinite(alone.entropy).all() and alone.entropy[1] == pytest.approx(1.0)
+
+
+def test_an_impossible_beginning_is_refused():
+    with pytest.raises(ImitationError, match="no goal explains where the teacher began"):
+        intent_filter(np.ones((2, 2)), np.array([1.0, 0.0]), np.array([0.0, 1.0]))
+
+
+def test_blocks_of_eight_end_with_five():
+    means = in_blocks(np.arange(85.0), 8)
+    assert len(means) == 11 and means[0] == 3.5 and means[-1] == pytest.approx(np.mean([80, 81, 82, 83, 84]))
+    table = np.random.default_rng(0).random((20, 3))
+    np.testing.assert_allclose(in_blocks(table, 8)[1], table[8:16].mean(0))
+    with pytest.raises(ImitationError):
+        in_blocks(table, 0)
