@@ -80,6 +80,11 @@ class Axis:
         """F, how many factors have a grid here."""
         return int(self.low.size)
 
+    def of(self, factor: int) -> "Axis":
+        """The grid of one factor alone."""
+        low, high = self.low[factor : factor + 1], self.high[factor : factor + 1]
+        return Axis(self.name, self.unit, low, high, self.size, self.labels)
+
     @property
     def is_categorical(self) -> bool:
         """Whether values are category numbers and assignment is hard."""

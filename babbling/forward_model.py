@@ -117,36 +117,43 @@ class ForwardModel:
         happened = ~np.isnan(values[0])
         for v in values[1:]:
             happened &= ~np.isnan(v)
-        values = [np.where(happened, v, axis.low) for v, axis in zip(values, self.axes, strict=True)]
+        if not happened.all():
+            values = [np.where(happened, v, axis.low) for v, axis in zip(values, self.axes, strict=True)]
         keep = happened.copy()
-        parts: list[tuple[tuple[IntArray, NDArray[np.float64] | None], ...]] = []
-        flat_strides = np.cumprod([1, *self.counts.shape[:0:-1]])[::-1]  # of factor, contexts, action, outcome
-        for axis, value, stride in zip(self.axes, values, flat_strides[1:], strict=True):
-            if axis.is_categorical:
-                parts.append(((axis.hard(value) * stride, None),))
-                continue
-            soft = axis.soft(value)
-            keep &= soft.inside
-            shift = _BITS - self._bits
-            upper = ((soft.weight + (1 << shift >> 1)) >> shift).astype(float)
-            parts.append(
-                (
-                    (soft.lower * stride, (1 << self._bits) - upper),
-                    ((soft.lower + 1) * stride, upper),
-                )
-            )
+        for f in range(len(self.factors)):  # one factor's table and columns at a time stay in the cache
+            keep[:, f] &= self._count(f, [np.ascontiguousarray(v[:, f]) for v in values], happened[:, f])
         self.outside += (happened & ~keep).sum(0)
-        base = np.broadcast_to(np.arange(len(self.factors)) * flat_strides[0], keep.shape)[keep]
-        parts = [tuple((i[keep], None if w is None else w[keep]) for i, w in part) for part in parts]
-        total = np.zeros(self.counts.size)
+        self.moments.observe(np.stack(values, axis=-1), keep)
+
+    def _count(self, factor: int, columns: list[FloatArray], happened: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Soft-count (N,) columns of one factor; returns (N,) which of them lie on all axes."""
+        table = self.counts[factor]
+        shift = _BITS - self._bits
+        keep = happened
+        parts: list[tuple[tuple[IntArray, FloatArray | None], ...]] = []
+        stride = table.size
+        for axis, column in zip(self.axes, columns, strict=True):
+            stride //= axis.size
+            one = axis.of(factor)
+            if axis.is_categorical:
+                parts.append(((one.hard(column[:, None])[:, 0] * stride, None),))
+                continue
+            soft = one.soft(column[:, None])
+            keep = keep & soft.inside[:, 0]
+            upper = ((soft.weight[:, 0] + (1 << shift >> 1)) >> shift).astype(float)
+            index = soft.lower[:, 0] * stride
+            parts.append(((index, (1 << self._bits) - upper), (index + stride, upper)))
+        if not keep.all():
+            parts = [tuple((i[keep], None if w is None else w[keep]) for i, w in part) for part in parts]
+        total = np.zeros(table.size)
         for corner in product(*parts):
-            index, weight = base, None
-            for i, w in corner:
+            index, weight = corner[0]
+            for i, w in corner[1:]:
                 index = index + i
                 weight = w if weight is None else (weight if w is None else weight * w)
-            total += np.bincount(index, weights=weight, minlength=self.counts.size)
-        self.counts += total.astype(np.int64).reshape(self.counts.shape)
-        self.moments.observe(np.stack(values, axis=-1), keep)
+            total += np.bincount(index, weights=weight, minlength=table.size)
+        table += total.astype(np.int64).reshape(table.shape)
+        return keep
 
     def add(self, counts: IntArray) -> None:
         """Add visits counted before, `[factor, context..., action, outcome]`, where every axis is categorical.

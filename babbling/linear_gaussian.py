@@ -60,8 +60,11 @@ class LinearGaussian:
 
     def observe(self, values: FloatArray, keep: NDArray[np.bool_]) -> None:
         """Add (N, F, C) values; rows where `keep` (N, F) is False are left out."""
-        z = np.rint(np.clip((values - self.centre) / self.half, -1, 1) * SCALE)
-        z = np.concatenate([np.full((*z.shape[:2], 1), float(SCALE)), z], axis=-1) * keep[..., None]
+        ones = np.full((*keep.shape, 1), float(SCALE))
+        z = np.concatenate([ones, (values - self.centre) * (SCALE / self.half)], axis=-1)
+        np.rint(np.clip(z, -SCALE, SCALE, out=z), out=z)
+        if not keep.all():
+            z *= keep[..., None]
         for start in range(0, len(z), _CHUNK):
             part = np.ascontiguousarray(z[start : start + _CHUNK].transpose(1, 2, 0))
             self.sums += (part @ part.transpose(0, 2, 1)).astype(np.int64)  # integers in float64: exact
