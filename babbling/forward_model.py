@@ -100,18 +100,24 @@ class ForwardModel:
 
     def _observe_categories(self, values: list[FloatArray]) -> None:
         """What `_observe` does where every assignment is hard: one integer count, no moments but the sample size."""
-        factor: IntArray = np.broadcast_to(np.arange(len(self.factors)), values[0].shape)
+        rows, factors = values[0].shape
+        values = [v.reshape(-1) for v in values]  # NumPy runs along the last axis, and F is often 1
+        factor = np.tile(np.arange(factors), rows) if factors > 1 else None
         missing = [np.isnan(v) for v in values if v.dtype.kind == "f"]
         if any(m.any() for m in missing):
             happened = ~np.logical_or.reduce(missing)
-            values, factor = [v[happened] for v in values], factor[happened]
-        index = self.axes[0].codes(values[0])
-        if len(self.factors) > 1:
-            index = factor * self.axes[0].size + index
-        for axis, value in zip(self.axes[1:], values[1:], strict=True):
-            index = index * axis.size
-            index += axis.codes(value)
-        self.add(np.bincount(index.ravel(), minlength=self.counts.size).reshape(self.counts.shape))
+            values = [v[happened] for v in values]
+            factor = factor[happened] if factor is not None else None
+        index: IntArray | None = factor
+        for axis, value in zip(self.axes, values, strict=True):
+            codes = axis.codes(value)
+            if index is None:
+                index = codes
+            else:
+                index = index * axis.size
+                index += codes
+        assert index is not None
+        self.add(np.bincount(index, minlength=self.counts.size).reshape(self.counts.shape))
 
     def _observe(self, values: list[FloatArray]) -> None:
         happened = ~np.isnan(values[0])
