@@ -47,27 +47,28 @@ Q_SETTINGS = (
 )
 
 
-def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, most: float = 1e4) -> FloatArray:
+def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 1000) -> FloatArray:
     """(R, S, A) expected steps to the goal after each action, for R planners at once.
 
     Args:
         lead: (R or 1, S, O) cell that each outcome leads to, as the planner believes.
         dynamics: (R, A, O) as the planner believes.
         goal: cell.
-        most: expectations are cut here (a goal that is believed out of reach).
+        horizon: the most steps looked ahead (a goal may be believed all but out of reach).
     """
     planners = len(dynamics)
     value = np.zeros((planners, lead.shape[1]))
     transposed = dynamics.transpose(0, 2, 1)
     row = np.arange(planners)[:, None, None]
-    while True:
+    for _ in range(horizon):
         to_go = 1 + value[row, lead] @ transposed
         to_go[:, goal] = 0
-        new = np.minimum(to_go.min(-1), most)
+        new = to_go.min(-1)
         change = np.abs(new - value).max()
         value = new
-        if change < 1e-4:
-            return to_go
+        if change < 1e-3:
+            break
+    return to_go
 
 
 def arrivals(

@@ -293,29 +293,40 @@ def _summary(metrics: dict[str, Any]) -> str:
         return "; ".join(f"{s} " + " / ".join(f"{v:.2f}" for v in goals.values()) for s, goals in metrics[name].items())
 
     entropy = metrics["junction_entropy_bits"]
-    slope = metrics["forward_model_tv_slope"]
+    losses = [metrics[f"intent_{rule}_log_loss"] for rule in ("filter", "step", "filter_plain")]
+    table = {
+        f"total variation of learned rows at {' / '.join(metrics['forward_model_tv'])} steps": of(
+            "forward_model_tv", "{:.4f}"
+        ),
+        "multinomial bound": of("forward_model_tv_bound", "{:.4f}"),
+        "slope against counted visits": f"{metrics['forward_model_tv_slope']:.3f}",
+        f"imitation succeeds, {metrics['imitation_seeds']} seeds": both("imitation_success"),
+        "steps / teacher's steps": both("step_ratio"),
+        "the same without the learned prior": both("step_ratio_without_prior"),
+        "steps per imitation where Eq. (1) is 0/0": both("uninformed_steps"),
+        "intent, filter right at the end": f"{metrics['intent_filter_accuracy']:.4f} of {metrics['intent_walks']} walks",
+        "mean log-loss: filter, Eq. (2) step by step, filter that never doubts": "{:.3f}, {:.3f}, {:.3f} bit".format(
+            *losses
+        ),
+        "entropy at junctions on walks to goal 1, goal prior uniform, half for goal 1": "-"
+        if None in entropy.values()
+        else f"{entropy['uniform_goal_1']:.3f}, {entropy['uneven_goal_1']:.3f} bit",
+        f"own steps until {100 * RELIABLE:.0f} % arrive within {PATIENCE:g} x the least: imitation": of(
+            "trials_imitation", "{}"
+        ),
+        "steps observed for it": of("trials_imitation_observed_steps", "{:.0f}"),
+        "value iteration, walls known": of("trials_value_iteration", "{}"),
+        "value iteration, walls found by replanning": of("trials_value_iteration_replanning", "{}"),
+        "value iteration, walls found by wandering": of("trials_value_iteration_discovered_walls", "{}"),
+        f"Q-learning, best of {len(Q_SETTINGS)} settings": of("trials_q_learning", "{}"),
+    }
+    rows = "\n".join(f"| {claim} | {found} |" for claim, found in table.items())
     return f"""
-## Study (numbers per goal 1 / 2 / ...)
+## Study (numbers per goal: 1 / 2 / ...)
 
 | claim | found |
 |---|---|
-| total variation of learned rows at {" / ".join(metrics["forward_model_tv"])} steps | {of("forward_model_tv", "{:.4f}")} |
-| multinomial bound | {of("forward_model_tv_bound", "{:.4f}")}; slope {slope:.3f} |
-| imitation succeeds, {metrics["imitation_seeds"]} seeds | {both("imitation_success")} |
-| steps / teacher's steps | {both("step_ratio")} |
-| the same without the learned prior | {both("step_ratio_without_prior")} |
-| steps per imitation where Eq. (1) is 0/0 | {both("uninformed_steps")} |
-| intent, filter right at the end | {metrics["intent_filter_accuracy"]:.4f} of {metrics["intent_walks"]} walks |
-| mean log-loss, filter / Eq. (2) step by step | {metrics["intent_filter_log_loss"]:.3f} / \
-{metrics["intent_step_log_loss"]:.3f} bit (filter without doubt {metrics["intent_filter_plain_log_loss"]:.3f}) |
-| entropy at junctions on walks to goal 1, uniform / .5 first prior | {entropy["uniform_goal_1"]:.3f} / \
-{entropy["uneven_goal_1"]:.3f} bit |
-| own steps until {100 * RELIABLE:.0f} % arrive within {PATIENCE:g} x the least: imitation | {of("trials_imitation", "{}")} \
-(and {of("trials_imitation_observed_steps", "{:.0f}")} steps observed) |
-| value iteration, walls known | {of("trials_value_iteration", "{}")} |
-| value iteration, walls found by wandering | {of("trials_value_iteration_discovered_walls", "{}")} |
-| value iteration, walls found by replanning | {of("trials_value_iteration_replanning", "{}")} |
-| Q-learning, best of {len(Q_SETTINGS)} settings | {of("trials_q_learning", "{}")} |
+{rows}
 
 What the demonstrations supply is the map: imitation needs few steps of its own because somebody else found the way.
 """
