@@ -38,13 +38,31 @@ def room(*, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] 
     """
     scene = mujoco.MjSpec.from_file(str(SCENE))
     if teacher:
-        if distance < 0.3:
-            raise BodyError(f"a teacher at {distance} m stands inside our own head; possible is 0.3 m and more")
-        other = mujoco.MjSpec.from_file(str(ROBOT))
-        other.attach(mujoco.MjSpec.from_file(str(FACE)), site=other.site("face"), prefix=FACE_PREFIX)
-        place = scene.site("opposite")
-        place.pos = (distance, 0.0, 0.0)
-        scene.attach(other, site=place, prefix=TEACHER)
+        seat_teacher(scene, scene.site("opposite"), distance)
+    hang_balls(scene, balls)
+    return scene
+
+
+def seat_teacher(scene: mujoco.MjSpec, place: mujoco.MjsSite, distance: float) -> None:
+    """Put a teacher's head on `place`, moved `distance` metres ahead of its own position along x.
+
+    Raises:
+        BodyError: a teacher within reach of our own base.
+    """
+    if not distance >= 0.3:
+        raise BodyError(f"a teacher at {distance} m stands inside our own head; possible is 0.3 m and more")
+    other = mujoco.MjSpec.from_file(str(ROBOT))
+    other.attach(mujoco.MjSpec.from_file(str(FACE)), site=other.site("face"), prefix=FACE_PREFIX)
+    place.pos = (distance, place.pos[1], place.pos[2])
+    scene.attach(other, site=place, prefix=TEACHER)
+
+
+def hang_balls(scene: mujoco.MjSpec, balls: Sequence[Ball]) -> None:
+    """Add balls to a scene.
+
+    Raises:
+        BodyError: two balls of one name.
+    """
     names = [ball.name for ball in balls]
     for ball in balls:
         if names.count(ball.name) > 1:
@@ -59,7 +77,6 @@ def room(*, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] 
             contype=0,
             conaffinity=0,
         )
-    return scene
 
 
 def wear_cloth(model: mujoco.MjModel, cloth: str | None) -> None:

@@ -1,0 +1,202 @@
+"""A head that looks: motor lines in, joint angles and what was found on its retinas out.
+
+Each tick the run profile carries the set-points towards the commanded posture; at its end both eyes look. A tick as
+long as a saccade gives a body that jumps from view to view; a tick of a video frame gives one that watches. How an
+image becomes positions is given from outside (`perceive`): a body has retinas, seeing is the mind's.
+"""
+
+import hashlib
+from collections.abc import Callable
+from functools import lru_cache
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.biclops.profile import profile
+from models.biclops.room import TEACHER
+from models.body import SimulatedBody
+from models.errors import BodyError
+from models.heads import HEADS, HeadFacts, check_sees, head_facts
+from models.part import PartOfBody
+from models.retina import Image, RetinaOptions, open_eye
+
+FloatArray = NDArray[np.float64]
+Perceive = Callable[[Image], FloatArray]
+"""An image to (K, 2) places (u, v) in pixels of K kinds of things, NaN for what is not seen wholly."""
+
+INNER_S = 0.02
+"""Set-points are renewed every so often."""
+TEACHER_MOTORS = (TEACHER + "pan", TEACHER + "tilt")
+
+
+class SeeingBody:
+    """`copies` heads on one stage, each with its own arrangement of balls and its own teacher's posture.
+
+    Senses: pan and tilt angle (rad); for every kind of thing left u, left v, right u, right v (pixels, NaN unseen).
+
+    Args:
+        model: a compiled `models.heads.stage`.
+        robot: whose head it is.
+        perceive: what is found on an image.
+        things: K, how many kinds of things `perceive` reports.
+        retina: how both eyes see.
+        renderer: how images are made.
+        copies, tick_s, seed: as in `SimulatedBody`; `seed` is that of pixel noise.
+        rest: pan and tilt to rest at, rad.
+
+    Raises:
+        BodyError: a scene without the robot's eyes, or a tick that is no whole number of 20 ms.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        robot: str,
+        perceive: Perceive,
+        things: int,
+        *,
+        retina: RetinaOptions | None = None,
+        renderer: str = "rays",
+        copies: int = 1,
+        tick_s: float = 1.4,
+        seed: int = 0,
+        rest: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        self.facts = head_facts(robot)
+        check_sees(model, self.facts.eyes)
+        self.retina = retina or RetinaOptions()
+        self.robot = robot
+        self.tick_s, self._perceive, self.things = tick_s, perceive, things
+        self._inner = round(tick_s / INNER_S)
+        if self._inner < 1 or abs(self._inner * INNER_S - tick_s) > 1e-9:
+            raise BodyError(f"a tick of {tick_s:g} s: it must be a whole number of {INNER_S:g} s")
+        self.whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=self.facts.home)
+        self.head = PartOfBody(self.whole, self.facts.motors)
+        self.has_teacher = TEACHER_MOTORS[0] in self.whole.joints
+        self._lines = [self.whole.joints.index(name) for name in self.facts.motors]
+        self._teacher = [self.whole.joints.index(name) for name in TEACHER_MOTORS] if self.has_teacher else []
+        self.eyes = [open_eye(model, eye, self.retina, renderer) for eye in self.facts.eyes]
+        self._data, self.model = mujoco.MjData(model), model
+        self.rest = np.asarray(rest, float)
+        self.motor_low, self.motor_high = self.head.motor_low, self.head.motor_high
+        far = np.tile([self.retina.width - 1.0, self.retina.height - 1.0], 2 * things)
+        self.sense_low = np.concatenate([self.head.sense_low[:2], 0.0 * far])
+        self.sense_high = np.concatenate([self.head.sense_high[:2], far])
+        self.fingerprint = head_fingerprint(robot)
+        self.seed, self.time = seed, 0.0
+        self.teacher_path: Callable[[float], FloatArray] | None = None
+        """Seconds since `reset` to (B, 2) the teacher's pan and tilt, rad; None leaves it where it is."""
+        self.images: list[tuple[Image, Image]] = []
+        """What the eyes of each copy saw last."""
+        self.looks = 0
+        """Images made so far."""
+        self._rng = np.random.default_rng([seed, 0xE7E])
+        self._angles = np.zeros((copies, len(self.whole.joints)))
+        self._velocity = np.zeros((copies, 2))
+
+    @property
+    def copies(self) -> int:
+        """B, how many heads there are."""
+        return self.whole.copies
+
+    @property
+    def joint_angles(self) -> FloatArray:
+        """(B, 2) true pan and tilt; for those who judge."""
+        return self.head.joint_angles
+
+    @property
+    def teacher_angles(self) -> FloatArray:
+        """(B, 2) the teacher's true pan and tilt; for those who judge."""
+        return self.whole.joint_angles[:, self._teacher]
+
+    def place(self, ball: str, positions: FloatArray) -> None:
+        """Put a ball (or the card) at (B, 3) or (3,) places of the table's frame, seen from the next look on."""
+        body = int(self.model.body(ball).mocapid[0])
+        if body < 0:
+            raise BodyError(f"{ball!r} cannot be moved: it is no ball and no card")
+        self.whole.batch.mocap_pos[:, body] = np.asarray(positions) + np.array(self.facts.table)
+
+    def reset(self) -> FloatArray:
+        """All heads to rest; (B, S) sensations. Balls stay; pixel noise starts over."""
+        self._rng = np.random.default_rng([self.seed, 0xE7E])
+        places = np.array(self.whole.batch.mocap_pos)
+        self.whole.reset()
+        self.whole.batch.mocap_pos[:] = places
+        self._angles = self.whole.joint_angles.copy()
+        self._angles[:, self._lines] = self.rest
+        self.time = 0.0
+        if self.teacher_path is not None:
+            self._angles[:, self._teacher] = self.teacher_path(0.0)
+        qpos = self.whole.batch.qpos
+        qpos[:, self.model.jnt_qposadr[self.model.actuator_trnid[:, 0]]] = self._angles
+        self._velocity[:] = 0.0
+        return self._settle_and_look()
+
+    def act(self, motors: FloatArray) -> FloatArray:
+        """Send (B, 2) motor lines, let the tick go by, look; (B, S) sensations."""
+        target = self._targets(motors)
+        for _ in range(self._inner):
+            self.time += INNER_S
+            now = self._angles[:, self._lines]
+            self._angles[:, self._lines], self._velocity = profile(
+                now, self._velocity, target, self.facts.max_speed, self.facts.max_acceleration, INNER_S
+            )
+            if self.teacher_path is not None:
+                self._angles[:, self._teacher] = self.teacher_path(self.time)
+            felt = self.whole.act(self.whole.command_angles(self._angles))
+        return self._look(felt)
+
+    def look(self) -> FloatArray:
+        """(B, S) sensations now, without time going by."""
+        return self._look(self.whole.act(self.whole.command_angles(self._angles)))
+
+    def command_angles(self, angles: FloatArray) -> FloatArray:
+        """Motor lines (B, 2) that command pan and tilt (B, 2), for baselines and stage directions."""
+        return self.head.command_angles(angles)
+
+    def _targets(self, motors: FloatArray) -> FloatArray:
+        if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
+            raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
+        limits = self.model.actuator_ctrlrange[self._lines]
+        centre, half = limits.mean(1), (limits[:, 1] - limits[:, 0]) / 2
+        lines = np.zeros((self.copies, len(self.whole.joints)))
+        lines[:, self._lines] = motors
+        return np.asarray(centre + half * self.whole.wiring.fractions(lines)[:, self._lines])
+
+    def _settle_and_look(self) -> FloatArray:
+        for _ in range(5):
+            felt = self.whole.act(self.whole.command_angles(self._angles))
+        return self._look(felt)
+
+    def _look(self, felt: FloatArray) -> FloatArray:
+        senses = np.full((self.copies, 2 + 4 * self.things), np.nan)
+        senses[:, :2] = felt[:, self._lines]
+        self.images = []
+        for copy in range(self.copies):
+            data = self._data
+            data.qpos[:] = self.whole.batch.qpos[copy]
+            data.mocap_pos[:] = self.whole.batch.mocap_pos[copy]
+            mujoco.mj_kinematics(self.model, data)
+            mujoco.mj_camlight(self.model, data)
+            left, right = (eye.see(data, self._rng) for eye in self.eyes)
+            self.images.append((left, right))
+            self.looks += 2
+            places = np.concatenate([self._perceive(left), self._perceive(right)], axis=1)
+            senses[copy, 2:] = places.ravel()
+        return senses
+
+
+@lru_cache(maxsize=len(HEADS))
+def head_fingerprint(robot: str) -> str:
+    """Of the robot and its head alone, whatever it looks at."""
+    body = watching_body(robot)
+    return hashlib.sha256(f"{body.fingerprint} {head_facts(robot).motors}".encode()).hexdigest()[:16]
+
+
+def watching_body(robot: str, *, copies: int = 1) -> PartOfBody:
+    """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
+    facts: HeadFacts = head_facts(robot)
+    model = mujoco.MjModel.from_xml_path(str(facts.robot))
+    whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=facts.home)
+    return PartOfBody(whole, facts.motors)
