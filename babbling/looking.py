@@ -124,7 +124,7 @@ class Looking:
     def situate(
         self, things: FloatArray, posture: FloatArray, change: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray]:
-        """Contexts (u, v, other posture) and actions, (..., F) each, of things (..., C) and (..., 2) postures, changes."""
+        """Contexts (u, v, other posture) and actions, (..., F) each, of things (..., C), postures, changes (..., 2)."""
         eye = 2 * (self.coordinate // 2)
         u, v = things[..., eye], things[..., eye + 1]
         other = np.broadcast_to(posture[..., 1 - self.motor], u.shape)

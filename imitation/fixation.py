@@ -72,7 +72,7 @@ class Fixation:
     def posterior(
         self, motor: int, things: FloatArray, posture: FloatArray, goal: float
     ) -> tuple[ActionPosterior, FloatArray]:
-        """Eq. (1) for one motor over its candidates: P(a | s, s' = goal); and what the efference copy alone would do."""
+        """Eq. (1) for one motor over its candidates: P(a | s, s' = goal); beside it what the efference copy would do.
 
         The prior is uniform over the changes that stay within reach.
         """
