@@ -1,0 +1,70 @@
+# Needs git, make and Python 3.11 or later; everything else is installed into .venv, by exact version and hash.
+#   make setup   install            make check   format, lint, types
+#   make demo    the main job       make test    the tests
+#   make lock    write requirements.lock again; remove the file first to move to the newest versions
+#   make clean   remove .venv, caches and builds (never runs/)
+
+PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+PACKAGES := models babbling imitation experiments
+LIBRARIES := models babbling imitation
+
+export MUJOCO_GL := disabled
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DELETE_ON_ERROR:
+.PHONY: setup demo test check format lock clean
+
+setup: $(VENV)/.ready
+
+# Started afresh whenever it is not complete, so that an interrupted setup leaves nothing half installed.
+$(VENV)/.locked: requirements.lock
+	@test -n "$(PYTHON)" || { echo "make: Python 3.11 or later is needed and is not on the path; name one: make setup PYTHON=/path/to/python3" >&2; exit 2; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "make: $(PYTHON) is not Python 3.11 or later; name one that is: make setup PYTHON=/path/to/python3" >&2; exit 2; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make: $(PYTHON) cannot make environments; install its venv part (on Debian and Ubuntu: apt install python3-venv)" >&2; exit 2; }
+	@echo "Installing into $(VENV) (some 500 MB to fetch the first time) ..."
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --require-hashes --no-deps --only-binary :all: -r requirements.lock
+	@touch $@
+
+$(VENV)/.ready: $(VENV)/.locked pyproject.toml
+	@$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --no-index -e .
+	@touch $@
+	@echo "Ready: $(BIN)/imitate --help"
+
+demo: setup
+	$(BIN)/imitate gesture
+	@echo "Look at it: $(BIN)/rerun runs/gesture/recording.rrd"
+
+test: setup
+	$(BIN)/python -m pytest
+
+check: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy --strict $(LIBRARIES)
+
+format: setup
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+# uv resolves for every Python and platform at once; versions that still fit stay as they are.
+lock:
+	@test -n "$(PYTHON)" || { echo "make: Python 3.11 or later is needed; name one: make lock PYTHON=/path/to/python3" >&2; exit 2; }
+	@mkdir -p build
+	@$(PYTHON) -m venv --clear build/lock
+	@build/lock/bin/python -m pip install --quiet uv
+	@cp requirements.lock build/requirements.lock 2>/dev/null || rm -f build/requirements.lock
+	@build/lock/bin/uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
+		--fork-strategy fewest --generate-hashes --no-annotate --no-header --quiet -o build/requirements.lock
+	@{ echo "# Written by 'make lock' from pyproject.toml: runtime and dev, every version with the hashes of all its files,"; \
+	   echo "# for Python 3.11 and later. Install with pip's --require-hashes --no-deps. Not edited by hand."; \
+	   cat build/requirements.lock; } > build/requirements.new
+	@mv build/requirements.new requirements.lock
+	@grep -c == requirements.lock | sed 's/$$/ packages locked/'
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find $(PACKAGES) tests -name __pycache__ -type d -prune -exec rm -rf {} +
