@@ -214,6 +214,7 @@ def _metrics(
         "forward_model": {
             "counted_transitions": model.transitions,
             "uniform": model.transitions == 0,
+            "cells_away_from_walls": int((experience.maze.walls.sum(-1) == 0).sum()),
             "untried_actions": int((model.visits == 0).sum()),
             "table": table,
             "truth": TRUE_DYNAMICS,
@@ -257,7 +258,8 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
     else:
         source = f"{config.wander_steps} random steps"
     if learned["uniform"]:
-        verdict = "**nothing was counted: the forward model is uniform, it knows no action from another**"
+        free = "" if learned["cells_away_from_walls"] else " (no cell of this maze is away from walls)"
+        verdict = f"**nothing was counted{free}: the forward model is uniform, it knows no action from another**"
     else:
         verdict = (
             f"{learned['counted_transitions']} transitions counted away from walls; "
