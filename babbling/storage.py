@@ -25,6 +25,7 @@ from babbling.schema import BodySchema
 FORMAT, VERSION = "imitation-laboratory mind", 1
 LARGEST_BYTES = 1 << 30
 LARGEST_CELLS = 1 << 28
+LARGEST_UNPACKED = 1 << 32
 _DIMS = {
     "posture": ("factor",), "rate": ("factor",), "offset": ("factor",), "slope": ("factor",), "noise": ("factor",),
     "rate_noise": ("factor",), "information": ("factor", "sense"),
@@ -95,11 +96,15 @@ def read_dataset(path: Path, kind: str, version: int) -> xr.Dataset:
     if path.stat().st_size > LARGEST_BYTES:
         raise BabblingError(f"{path}: {path.stat().st_size} bytes; more than {LARGEST_BYTES} are not read")
     try:
-        dataset = xr.load_dataset(path, engine="h5netcdf")
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            unpacked = opened.nbytes  # by its header; nothing is read yet
+            dataset = opened.load() if unpacked <= LARGEST_UNPACKED else opened
     except Exception as error:  # h5py raises many kinds on damaged files
         raise BabblingError(
             f"{path}: not a readable NetCDF-4 file (truncated, or something else); make it anew"
         ) from error
+    if unpacked > LARGEST_UNPACKED:
+        raise BabblingError(f"{path}: unpacks to {unpacked} bytes; more than {LARGEST_UNPACKED} are not read")
     if dataset.attrs.get("format") != kind:
         raise BabblingError(f"{path}: this is not a file of kind {kind!r}; make one with `imitate babble`")
     found = dataset.attrs.get("version")
@@ -108,6 +113,21 @@ def read_dataset(path: Path, kind: str, version: int) -> xr.Dataset:
             f"{path}: written in version {found}, this program reads up to {version}; update the program"
         )
     return dataset
+
+
+def check_kind(path: Path) -> None:
+    """Look whether a file is a mind, by its header alone.
+
+    Raises:
+        BabblingError: it is something else.
+    """
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            found = opened.attrs.get("format")
+    except Exception as error:  # h5py raises many kinds on what is no NetCDF-4
+        raise BabblingError(f"{path}: this is no forward model and would be lost; choose another name") from error
+    if found != FORMAT:
+        raise BabblingError(f"{path}: this is no forward model and would be lost; choose another name")
 
 
 def load_mind(path: Path) -> tuple[Mind, Mapping[str, Any]]:
@@ -131,7 +151,7 @@ def _mind(dataset: xr.Dataset) -> Mind:
 
     def array(name: str) -> Any:
         value = dataset[name].to_numpy().copy()
-        if value.shape[0] != factors or value.dtype.kind not in "fi" or not np.isfinite(value).all():
+        if value.ndim < 1 or value.shape[0] != factors or value.dtype.kind not in "fi" or not np.isfinite(value).all():
             raise ValueError(f"{name!r} is not {factors} rows of finite numbers")
         return value
 

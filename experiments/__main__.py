@@ -1,12 +1,17 @@
 """The command line: `imitate NAME [options]`, `imitate list`, `imitate --help`."""
 
+import io
 import os
+import re
 import sys
+from contextlib import redirect_stderr
+from typing import Any
 
 from rich.console import Console
 from rich.markdown import Markdown
 
 from babbling.errors import BabblingError
+from experiments.experiment import ExperimentError, check_out, folder, publish
 from experiments.registry import EXPERIMENTS, entry
 from models.errors import BodyError
 
@@ -23,10 +28,13 @@ def main(arguments: list[str] | None = None) -> int:
             return 0
         return run(words[0], words[1:])
     except (BabblingError, BodyError) as error:
-        print(f"imitate: {error}", file=sys.stderr)
+        print(f"imitate: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("imitate: interrupted; nothing half done was left behind", file=sys.stderr)
+        print(
+            "imitate: interrupted; results appear whole or not at all, and `imitate babble` goes on when repeated",
+            file=sys.stderr,
+        )
         return 130
 
 
@@ -41,25 +49,57 @@ def listing(*, full: bool) -> None:
 
 def run(name: str, words: list[str]) -> int:
     """Parse options, run, publish, show."""
-    import tyro
-
-    from experiments.experiment import check_out, publish
-
     module = entry(name).load()
-    try:
-        config = tyro.cli(module.Config, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
-    except SystemExit as stop:
-        return 0 if stop.code in (0, None) else 2
+    config = parse(module.Config, name, words)
+    if config is None:
+        return 0
     if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
         module.command(config)
         return 0
-    if config.out is not None:
-        check_out(config.out)
+    check_out(folder(name, config))
     result = module.run(config)
     out = publish(name, config, result)
     Console().print(Markdown(result.summary))
     print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
     return 0
+
+
+def parse(kind: type, name: str, words: list[str]) -> Any:
+    """The options as an instance of `kind`; None when only help was wanted.
+
+    Raises:
+        ExperimentError: what tyro says in a box, in one line.
+    """
+    import tyro
+
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            return tyro.cli(kind, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
+    except SystemExit as stop:
+        if stop.code in (0, None):
+            return None
+        raise ExperimentError(in_one_line(said.getvalue(), name)) from None
+
+
+PLAIN = (
+    (r"Error parsing (--\S+): invalid literal for int\(\) with base 10: (.*)", r"\1 \2: this is not a whole number"),
+    (r"Error parsing (--\S+): could not convert string to float: (.*)", r"\1 \2: this is not a number"),
+    (r"Missing value for argument '(--\S+)'.*", r"\1: a value is missing"),
+    (r"Unrecognized options?: (.*)", r"unknown option \1"),
+)
+
+
+def in_one_line(box: str, name: str) -> str:
+    """The message and the suggestions out of tyro's boxes."""
+    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines() if line[:1] not in "╭╰"]
+    parts = [" ".join(part.split()) for part in re.split(r"\n─+\n", "\n".join(lines))]
+    message = parts[0] or "these options cannot be understood"
+    for pattern, plain in PLAIN:
+        message = re.sub(f"^{pattern}$", plain, message)
+    meant = re.findall(r"(?<!\S)--[a-z][a-z-]*", " ".join(p for p in parts[1:] if p.startswith("Perhaps you meant")))
+    hint = f"; did you mean {' or '.join(dict.fromkeys(meant))}?" if meant else ""
+    return f"{message}{hint}; `imitate {name} --help` lists what there is"
 
 
 if __name__ == "__main__":

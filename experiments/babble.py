@@ -7,10 +7,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.markdown import Markdown
 
-from experiments.experiment import ExperimentError, as_json
+from babbling.storage import check_kind
+from experiments.experiment import ExperimentError, as_json, try_writing
 from experiments.gesture import curve_metrics
 from experiments.gesture_figures import learning_curve
-from experiments.minds import DEFAULT_MINUTES, BodyOptions, learn_mind, save_learned
+from experiments.minds import DEFAULT_MINUTES, BodyOptions, check_minutes, learn_mind, save_learned
 from experiments.progress import progress
 
 
@@ -43,8 +44,8 @@ def command(config: Config) -> None:
         ExperimentError: the file cannot be written, or an interrupted babble of other options is in the way.
     """
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
-    if out.is_dir():
-        raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'hoap2.nc'}")
+    check_file(out)
+    check_minutes(config.babbling_minutes)
     checkpoint = out.with_name(out.name + ".partial")
     options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
     with progress(f"{config.robot} babbles") as report:
@@ -65,6 +66,30 @@ def command(config: Config) -> None:
     table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
     Console().print(Markdown(table))
     print(f"\nwritten to {out} (and {out.with_suffix('.png').name}, {out.with_suffix('.json').name} beside it)")
+
+
+def check_file(out: Path) -> None:
+    """Refuse early what could not be written, or should not be overwritten.
+
+    Raises:
+        ExperimentError: a directory, another kind of file, a place that cannot be written, or strangers beside it.
+    """
+    try:
+        if out.is_dir():
+            raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'hoap2.nc'}")
+        if out.suffix != ".nc":
+            raise ExperimentError(f"--out {out}: a forward model's file ends in .nc; name it {out.stem or 'robot'}.nc")
+        if out.exists():
+            check_kind(out)
+        elif taken := [p for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]:
+            raise ExperimentError(
+                f"--out {out}: {taken[0].name} is there already and would be lost; choose another name"
+            )
+        try_writing(next(p for p in out.absolute().resolve().parents if p.exists()))
+    except OSError as error:
+        raise ExperimentError(
+            f"--out {out}: cannot be written ({error.strerror or error}); name a file that can"
+        ) from error
 
 
 def main() -> int:

@@ -53,6 +53,7 @@ class Result:
     """Further files: name -> writer."""
 
 
+LARGEST_NOTES = 1 << 20
 LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "xarray", "rerun-sdk", "matplotlib")
 
 
@@ -65,13 +66,16 @@ def publish(name: str, config: Config, result: Result) -> Path:
     Raises:
         ExperimentError: the folder cannot be written, or is not one of ours.
     """
-    out = Path(config.out) if config.out is not None else Path("runs") / name
-    check_out(out)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    beside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    shown = folder(name, config)
+    out = shown.resolve()
+    check_out(shown)
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
+    except OSError as error:
+        raise ExperimentError(f"--out {shown}: cannot be written ({error.strerror}); name a folder that can") from error
     try:
         beside.chmod(0o755)
-        (beside / "config.json").write_text(as_json(provenance(name, config)))
         (beside / "metrics.json").write_text(as_json(result.metrics))
         for stem, figure in result.figures.items():
             figure.savefig(beside / f"{stem}.png", dpi=130, bbox_inches="tight")
@@ -79,10 +83,17 @@ def publish(name: str, config: Config, result: Result) -> Path:
             write(beside / file)
         if result.record is not None:
             result.record(beside / "recording.rrd")
+        files = sorted(["config.json", *(file.name for file in beside.iterdir())])
+        (beside / "config.json").write_text(as_json({**provenance(name, config), "files": files}))
         _swap(beside, out)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
-    return out
+    return shown
+
+
+def folder(name: str, config: Config) -> Path:
+    """Where the results go."""
+    return Path(config.out) if config.out is not None else Path("runs") / name
 
 
 def check_out(out: Path) -> None:
@@ -91,16 +102,43 @@ def check_out(out: Path) -> None:
     Raises:
         ExperimentError: see `publish`.
     """
-    if out.exists():
-        if not out.is_dir():
+    try:
+        if out.exists() and not out.is_dir():
             raise ExperimentError(f"--out {out}: this is a file; name a folder")
-        if any(out.iterdir()) and not (out / "metrics.json").exists():
+        if out.exists() and os.path.ismount(out):
+            raise ExperimentError(f"--out {out}: this is a whole disk or mount; name a folder in it")
+        strangers = _strangers(out) if out.exists() else []
+        if strangers:
             raise ExperimentError(
-                f"--out {out}: this folder holds other things than a result; name another or empty it"
+                f"--out {out}: this folder holds other things than a result ({strangers[0]!r}); name another"
             )
-    parent = next(p for p in (out, *out.absolute().parents) if p.exists())
-    if not parent.is_dir() or not os.access(parent, os.W_OK):
-        raise ExperimentError(f"--out {out}: {parent} cannot be written; name a folder that can")
+        parents = [*out.absolute().resolve().parents]
+        try_writing(next(p for p in parents if p.exists()))
+    except OSError as error:
+        raise ExperimentError(
+            f"--out {out}: cannot be written ({error.strerror or error}); name a folder that can"
+        ) from error
+
+
+def try_writing(place: Path) -> None:
+    """Make and remove an empty folder there: permissions alone do not tell what can be written.
+
+    Raises:
+        OSError: it cannot be done.
+    """
+    os.rmdir(tempfile.mkdtemp(prefix=".imitate-", dir=place))
+
+
+def _strangers(out: Path) -> list[str]:
+    """Names in a folder that no earlier result put there."""
+    found = sorted(entry.name for entry in out.iterdir())
+    notes = out / "config.json"
+    try:
+        listed = json.loads(notes.read_text())["files"] if notes.stat().st_size < LARGEST_NOTES else []
+        ours = set(listed) if all(isinstance(file, str) for file in listed) else set()
+    except (OSError, ValueError, KeyError, TypeError):
+        ours = set()
+    return [name for name in found if name not in ours or (out / name).is_dir()]
 
 
 def _swap(new: Path, out: Path) -> None:

@@ -12,7 +12,7 @@ from experiments.baselines import direct_replay, rmse_deg
 from experiments.experiment import ExperimentError, Result
 from experiments.gesture_figures import figures
 from experiments.gesture_recording import record
-from experiments.minds import DEFAULT_MINUTES, BodyOptions, Learned, learn_mind, take_mind
+from experiments.minds import DEFAULT_MINUTES, BodyOptions, Learned, check_minutes, learn_mind, take_mind
 from experiments.progress import progress
 from experiments.watching import Seen, retarget_metrics, watch
 from imitation.inverse import LinearInverse
@@ -97,11 +97,11 @@ def run(config: Config) -> Result:
     if config.attempts < 1:
         raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
     selection_rule(config.selection)
+    check_minutes(config.babbling_minutes)
     body = options.body(1, stream=3)
+    learned = take_mind(config.forward_model, options) if config.forward_model is not None else None
     seen = watch(config.demonstration, body)
-    if config.forward_model is not None:
-        learned = take_mind(config.forward_model, options)
-    else:
+    if learned is None:
         with progress(f"{config.robot} babbles") as report:
             learned = learn_mind(options, config.babbling_minutes, report)
     mind = learned.mind

@@ -21,6 +21,7 @@ from models.loading import load_body
 
 COPIES = 64
 DEFAULT_MINUTES = 20.0
+LONGEST_MINUTES = 1e5
 BARE_TICKS = 100
 
 
@@ -40,7 +41,8 @@ class BodyOptions:
         if not 1 <= self.threads <= 256:
             raise ExperimentError(f"--threads {self.threads}: it must lie between 1 and 256")
         if self.seed < 0 or (self.scramble is not None and self.scramble < 0):
-            raise ExperimentError("--seed and --scramble must be 0 or more")
+            name, value = ("--seed", self.seed) if self.seed < 0 else ("--scramble", self.scramble)
+            raise ExperimentError(f"{name} {value}: it must be 0 or more")
 
     def body(self, copies: int, stream: int = 0) -> SimulatedBody:
         """So many copies; `stream` tells apart the sensor noise of different uses."""
@@ -52,6 +54,16 @@ class BodyOptions:
             scramble=self.scramble,
             seed=self.seed * 1000 + stream,
         )
+
+
+def check_minutes(minutes: float) -> None:
+    """Refuse an impossible babbling time before anything is spent on it.
+
+    Raises:
+        ExperimentError: not a number, nothing, or more than anyone can wait for.
+    """
+    if not 0 < minutes <= LONGEST_MINUTES:
+        raise ExperimentError(f"--babbling-minutes {minutes:g}: it must be more than 0 and at most {LONGEST_MINUTES:g}")
 
 
 @dataclass(frozen=True)
@@ -119,7 +131,7 @@ def learn_mind(
     body = options.body(COPIES)
     plan = bouts(minutes, body)
     started = time.perf_counter()
-    found, model, first = _resume(checkpoint, body, options, minutes)
+    found, model, first = _resume(checkpoint, body, options, minutes, plan)
     if found is None:
         found = pilot(body, options.seed)
     piloted = time.perf_counter() - started
@@ -137,8 +149,10 @@ def learn_mind(
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
             save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.noise_deg)
         report(0.95 * done / len(plan))
+        body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
 
+    body.reseed(1 + first)
     model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(lambda copies: options.body(copies, stream=1), mind, options.seed)
@@ -204,11 +218,14 @@ def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: fl
 
 
 def _resume(
-    checkpoint: Path | None, body: SimulatedBody, options: BodyOptions, minutes: float
+    checkpoint: Path | None, body: SimulatedBody, options: BodyOptions, minutes: float, plan: tuple[int, ...]
 ) -> tuple[Pilot | None, ForwardModel | None, int]:
     if checkpoint is None or not checkpoint.exists():
         return None, None, 0
     mind, notes = load_mind(checkpoint)
+    done = notes.get("bouts_done", -1)
+    if not isinstance(done, int | np.integer) or not 0 <= done < len(plan):
+        raise ExperimentError(f"{checkpoint}: this is no interrupted babble; move or delete the file")
     same = (
         mind.fingerprint == body.fingerprint
         and mind.seed == options.seed
@@ -220,4 +237,4 @@ def _resume(
             f"{checkpoint}: an interrupted babble of another body, seed, noise or length is here; "
             "repeat that command to finish it, or delete the file"
         )
-    return mind.pilot, mind.forward_model, int(notes["bouts_done"])
+    return mind.pilot, mind.forward_model, int(done)

@@ -73,7 +73,7 @@ class SimulatedBody:
         self.model = model
         model.dof_frictionloss[:] *= self.wear.friction_factor
         joints = model.actuator_trnid[:, 0]
-        self.joints = tuple(model.joint(j).name for j in joints)
+        self.joints = tuple(model.joint(j).name or f"joint {j}" for j in joints)
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self.joint_range: FloatArray = model.jnt_range[joints].copy()
         control: FloatArray = model.actuator_ctrlrange.copy()
@@ -94,7 +94,8 @@ class SimulatedBody:
         self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
         self.batch = mujoco.batch.Batch(model, copies, threads)
         self._played = np.zeros((copies, motors))
-        self._rng = np.random.default_rng([seed, 0xB0D7])
+        self._seed = seed
+        self.reseed(0)
         self.time = 0.0
         self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s)
         self.reset()
@@ -103,6 +104,10 @@ class SimulatedBody:
     def copies(self) -> int:
         """B, how many bodies there are."""
         return int(self.batch.nsim)
+
+    def reseed(self, episode: int) -> None:
+        """Make the sensor noise from here on depend on the body's seed and this number alone."""
+        self._rng = np.random.default_rng([self._seed, 0xB0D7, episode])
 
     def reset(self) -> FloatArray:
         """All copies to the rest posture, their servos holding it; returns (B, S) sensations."""
@@ -125,10 +130,15 @@ class SimulatedBody:
         play = self.wear.backlash / 2
         np.clip(self._played, command - play, command + play, out=self._played)
         self.batch.ctrl[:] = self._played
-        warnings = self.batch.warning.copy()
-        self.batch.step(nstep=self.substeps)
+        warnings = self.batch.warning[..., 1].copy()
+        told = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
+        try:
+            self.batch.step(nstep=self.substeps)
+        finally:
+            mujoco.set_mju_user_warning(told)
         self.time += self.tick_s
-        self._check(self.batch.warning - warnings)
+        self._check(self.batch.warning[..., 1] - warnings)
         return self._feel()
 
     def commands(self, motors: FloatArray) -> FloatArray:
@@ -168,19 +178,35 @@ class SimulatedBody:
         return np.concatenate([angle, speed], axis=-1)[:, self.wiring.sense]
 
     def _check(self, warnings: NDArray[np.int32]) -> None:
-        finite = np.isfinite(self.batch.qpos).all()
-        if finite and not warnings.any():
+        """(B, kinds) warnings that the last tick added."""
+        if not warnings.any() and np.isfinite(self.batch.qpos).all():
             return
-        if not finite:
-            dof = int(np.argwhere(~np.isfinite(self.batch.qvel).all(0))[0, 0])
-        else:
-            copy = int(np.argwhere(warnings.any(1))[0, 0])
-            dof = int(np.argmax(np.abs(self.batch.get_data(copy).qvel)))
-        joint = self.model.joint(int(self.model.dof_jntid[dof])).name
         raise BodyError(
-            f"{self.name}: the physics became unstable at joint {joint!r} after {self.time:.2f} s; "
+            f"{self.name}: the physics became unstable at joint {self._suspect(warnings)!r} after {self.time:.2f} s; "
             "lower its actuator's gain, raise its damping or armature, or take a smaller timestep"
         )
+
+    def _suspect(self, warnings: NDArray[np.int32]) -> str:
+        """The joint whose servo is too stiff for the timestep, otherwise the one that MuJoCo names.
+
+        An explicit step of dt is stable while kp dt^2 / inertia < 4; MuJoCo names the first joint that went wrong,
+        and one servo that is too stiff shakes them all.
+        """
+        stiffness = self.model.actuator_gainprm[:, 0] * self.model.dof_invweight0[self._dof]
+        stiffness = stiffness * self.model.opt.timestep**2
+        if stiffness.max() > 1 or not warnings.any():
+            return self.joints[int(np.argmax(stiffness))]
+        copy, kind = np.argwhere(warnings > 0)[0]
+        place = int(self.batch.warning[copy, kind, 0])
+        if kind == mujoco.mjtWarning.mjWARN_BADQPOS:
+            joint = int(np.searchsorted(self.model.jnt_qposadr, place, side="right")) - 1
+        else:
+            joint = int(self.model.dof_jntid[min(place, self.model.nv - 1)])
+        return self.model.joint(joint).name or f"joint {joint}"
+
+
+def _say_nothing(text: str) -> None:
+    pass
 
 
 def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
