@@ -21,6 +21,7 @@ from experiments.recording import (
     log_stick_figure,
     recording,
 )
+from models.shapes import parts
 
 if TYPE_CHECKING:
     from experiments.gesture import Performed
@@ -91,10 +92,10 @@ def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
     tick = done.body.tick_s
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     model = done.body.model
-    log_body(stream, "world/imitator", model, done.body.configurations(done.imitated), tick)
+    log_body(stream, "world/imitator", parts(model, done.body.configurations(done.imitated)), tick)
     if done.seen.performance is None:
-        angles = done.body.configurations(done.seen.angles)
-        log_body(stream, "world/teacher", model, angles, tick, offset=(0, BESIDE, 0), tint=DEMONSTRATED)
+        shown = parts(model, done.body.configurations(done.seen.angles))
+        log_body(stream, "world/teacher", shown, tick, offset=(0, BESIDE, 0), tint=DEMONSTRATED)
     else:
         points = in_place(done.seen.performance.time, done.seen.performance.points, len(done.seen.angles), tick)
         log_stick_figure(stream, "world/teacher", points, done.seen.performance.bones, tick, DEMONSTRATED)

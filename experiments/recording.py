@@ -6,14 +6,16 @@ Episodes are buffered and sent once, column by column: a recording is then small
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import matplotlib
-import mujoco
 import numpy as np
 import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
+
+from models.shapes import Part, Shape
 
 FloatArray = NDArray[np.float64]
 
@@ -57,67 +59,46 @@ def log_series(
 def log_body(
     stream: rr.RecordingStream,
     entity: str,
-    model: mujoco.MjModel,
-    qpos: FloatArray,
+    parts: Sequence[Part],
     tick_s: float,
     *,
     offset: Sequence[float] = (0.0, 0.0, 0.0),
     tint: tuple[int, int, int] | None = None,
 ) -> None:
-    """A body's visible shapes, moving through (T, nq) configurations."""
-    data = mujoco.MjData(model)
-    positions, turns = np.empty((len(qpos), model.nbody, 3)), np.empty((len(qpos), model.nbody, 4))
-    for t, q in enumerate(qpos):
-        data.qpos[:] = q
-        mujoco.mj_kinematics(model, data)
-        positions[t], turns[t] = data.xpos + np.asarray(offset), data.xquat[:, [1, 2, 3, 0]]
-    visible = [g for g in range(model.ngeom) if model.geom_group[g] < 3 and model.geom_type[g] in _SHAPES]
-    for body in sorted({int(model.geom_bodyid[g]) for g in visible}):
-        name = f"{entity}/{model.body(body).name or body}"
-        moving = model.body_weldid[body] != 0
-        times = ticks(len(qpos), tick_s) if moving else []
-        if moving:
-            stream.send_columns(
-                name, times, rr.Transform3D.columns(translation=positions[:, body], quaternion=turns[:, body])
-            )
+    """A body's visible parts, moving."""
+    for part in parts:
+        name = f"{entity}/{part.name}"
+        places = part.positions + np.asarray(offset)
+        if part.moves:
+            poses = rr.Transform3D.columns(translation=places, quaternion=part.turns)
+            stream.send_columns(name, ticks(len(places), tick_s), poses)
         else:
-            stream.log(
-                name,
-                rr.Transform3D(translation=positions[0, body], quaternion=rr.Quaternion(xyzw=turns[0, body])),
-                static=True,
-            )
-        for geom in (g for g in visible if model.geom_bodyid[g] == body):
-            _log_geom(stream, f"{name}/{model.geom(geom).name or geom}", model, geom, tint)
+            pose = rr.Transform3D(translation=places[0], quaternion=rr.Quaternion(xyzw=part.turns[0]))
+            stream.log(name, pose, static=True)
+        for shape in part.shapes:
+            _log_shape(stream, f"{name}/{shape.name}", shape, tint)
 
 
-_SHAPES = {
-    int(mujoco.mjtGeom.mjGEOM_BOX), int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_SPHERE),
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER), int(mujoco.mjtGeom.mjGEOM_ELLIPSOID),
-}  # fmt: skip
-
-
-def _log_geom(
-    stream: rr.RecordingStream, entity: str, model: mujoco.MjModel, geom: int, tint: tuple[int, int, int] | None
-) -> None:
-    size, place = model.geom_size[geom], model.geom_pos[geom]
-    turn = rr.Quaternion(xyzw=model.geom_quat[geom][[1, 2, 3, 0]])
-    rgb = model.geom_rgba[geom][:3] * 255
-    colour = [tuple(int(c) for c in (rgb if tint is None else 0.35 * rgb + 0.65 * np.array(tint)))]
-    kind = int(model.geom_type[geom])
-    common = {"colors": colour, "fill_mode": "solid", "quaternions": [turn]}
-    if kind == int(mujoco.mjtGeom.mjGEOM_CAPSULE):
-        matrix = np.zeros(9)
-        mujoco.mju_quat2Mat(matrix, model.geom_quat[geom])
-        start = place - matrix.reshape(3, 3)[:, 2] * size[1]
-        shape = rr.Capsules3D(lengths=[2 * size[1]], radii=[size[0]], translations=[start], **common)
-    elif kind == int(mujoco.mjtGeom.mjGEOM_CYLINDER):
-        shape = rr.Cylinders3D(lengths=[2 * size[1]], radii=[size[0]], centers=[place], **common)
-    elif kind == int(mujoco.mjtGeom.mjGEOM_BOX):
-        shape = rr.Boxes3D(half_sizes=[size], centers=[place], **common)
+def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tuple[int, int, int] | None) -> None:
+    size, place, rgb = shape.size, shape.place, shape.colour * 255
+    colour = tuple(int(c) for c in (rgb if tint is None else 0.35 * rgb + 0.65 * np.array(tint)))
+    common: dict[str, Any] = {
+        "colors": [colour],
+        "fill_mode": "solid",
+        "quaternions": [rr.Quaternion(xyzw=shape.turn)],
+    }
+    drawn: Any
+    if shape.kind == "capsule":  # it begins at its origin
+        start = place - shape.axis * size[1]
+        drawn = rr.Capsules3D(lengths=[2 * size[1]], radii=[size[0]], translations=[start], **common)
+    elif shape.kind == "cylinder":
+        drawn = rr.Cylinders3D(lengths=[2 * size[1]], radii=[size[0]], centers=[place], **common)
+    elif shape.kind == "box":
+        drawn = rr.Boxes3D(half_sizes=[size], centers=[place], **common)
     else:
-        radii = size if kind == int(mujoco.mjtGeom.mjGEOM_ELLIPSOID) else np.repeat(size[0], 3)
-        shape = rr.Ellipsoids3D(half_sizes=[radii], centers=[place], **common)
-    stream.log(entity, shape, static=True)
+        radii = size if shape.kind == "ellipsoid" else np.repeat(size[0], 3)
+        drawn = rr.Ellipsoids3D(half_sizes=[radii], centers=[place], **common)
+    stream.log(entity, drawn, static=True)
 
 
 def log_stick_figure(

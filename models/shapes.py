@@ -1,0 +1,89 @@
+"""What a body looks like: its visible shapes, and where they are in each configuration. For pictures, not for minds."""
+
+from typing import Literal, NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Kind = Literal["box", "capsule", "sphere", "cylinder", "ellipsoid"]
+
+KINDS: dict[int, Kind] = {
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
+}
+"""Shapes that can be drawn; others (meshes, planes) are left out."""
+VISIBLE_GROUPS = 3
+"""MuJoCo draws geom groups 0 to 2."""
+
+
+class Shape(NamedTuple):
+    """One shape, fixed to its part."""
+
+    name: str
+    kind: Kind
+    place: FloatArray
+    """(3,) m, in the part's frame."""
+    turn: FloatArray
+    """(4,) quaternion x, y, z, w, in the part's frame."""
+    axis: FloatArray
+    """(3,) direction of the shape's own z axis in the part's frame."""
+    size: FloatArray
+    """(3,) m as MuJoCo has it: half extents of boxes and ellipsoids, radius (and half length) of the others."""
+    colour: FloatArray
+    """(3,) red, green, blue, 0 to 1."""
+
+
+class Part(NamedTuple):
+    """One rigid part of a body with something to see on it."""
+
+    name: str
+    moves: bool
+    positions: FloatArray
+    """(T, 3) m, in the world."""
+    turns: FloatArray
+    """(T, 4) quaternions x, y, z, w."""
+    shapes: tuple[Shape, ...]
+
+
+def parts(model: mujoco.MjModel, configurations: FloatArray) -> list[Part]:
+    """The visible parts of a compiled model in each of (T, nq) configurations."""
+    data = mujoco.MjData(model)
+    count = len(configurations)
+    positions, turns = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
+    for t, configuration in enumerate(configurations):
+        data.qpos[:] = configuration
+        mujoco.mj_kinematics(model, data)
+        positions[t], turns[t] = data.xpos, data.xquat[:, [1, 2, 3, 0]]
+    shapes: dict[int, list[Shape]] = {}
+    for geom in range(model.ngeom):
+        if model.geom_group[geom] < VISIBLE_GROUPS and int(model.geom_type[geom]) in KINDS:
+            shapes.setdefault(int(model.geom_bodyid[geom]), []).append(_shape(model, geom))
+    return [
+        Part(
+            name=model.body(body).name or str(body),
+            moves=bool(model.body_weldid[body] != 0),
+            positions=positions[:, body],
+            turns=turns[:, body],
+            shapes=tuple(shapes[body]),
+        )
+        for body in sorted(shapes)
+    ]
+
+
+def _shape(model: mujoco.MjModel, geom: int) -> Shape:
+    matrix = np.zeros(9)
+    mujoco.mju_quat2Mat(matrix, model.geom_quat[geom])
+    return Shape(
+        name=model.geom(geom).name or str(geom),
+        kind=KINDS[int(model.geom_type[geom])],
+        place=model.geom_pos[geom].copy(),
+        turn=model.geom_quat[geom][[1, 2, 3, 0]],
+        axis=matrix.reshape(3, 3)[:, 2].copy(),
+        size=model.geom_size[geom].copy(),
+        colour=model.geom_rgba[geom][:3].astype(float),
+    )
