@@ -151,7 +151,7 @@ def wanderers(
 
 
 def replanners(
-    maze: Maze, goal: int, copies: int, budgets: Sequence[int], seed: int, first: int = 300, sweeps: int = 3
+    maze: Maze, goal: int, copies: int, budgets: Sequence[int], seed: int, first: int = 300, sweeps: int = 2
 ) -> Iterator[Known]:
     """What planners know who wander `first` steps and then walk by their own optimistic plan, trial after trial.
 
@@ -208,23 +208,24 @@ class QLearners:
         discount, cost = spread([s.discount for s in Q_SETTINGS]), spread([-float(s.optimistic) for s in Q_SETTINGS])
         prize = 1 + cost  # +1 at the goal for those who pay nothing on the way
         body, rng = MazeBody(self.maze, copies=size, seed=(self.seed, 15)), np.random.default_rng([self.seed, 16])
-        q = np.zeros((size, self.maze.cells, len(ACTIONS)))
+        q = np.zeros((len(ACTIONS), size, self.maze.cells))  # actions first: reductions over them run along long rows
         visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
         exponent, longest = rate[decaying].copy(), 4 * self.maze.cells
         row, age = np.arange(size), np.zeros(size, int)
         body.reset()
         cell = body.cell
         for step in range(1, budgets[-1] + 1):
-            here = q[row, cell]
-            noise = rng.random((size, len(ACTIONS) + 1))
-            best = np.where(here == here.max(1)[:, None], noise[:, 1:], -1.0).argmax(1)
-            action = np.where(noise[:, 0] < epsilon, (noise[:, 1] * len(ACTIONS)).astype(int), best)
+            here = q[:, row, cell]
+            noise = rng.random((len(ACTIONS) + 1, size), dtype=np.float32)
+            best = np.where(here == here.max(0), noise[1:], -1.0).argmax(0)
+            action = np.where(noise[0] < epsilon, (noise[1] * len(ACTIONS)).astype(int), best)
             there = body.move(action)
             arrived = there == goal
-            target = np.where(arrived, prize + cost, cost + discount * q[row, there].max(1))
-            visits[row[decaying], cell[decaying], action[decaying]] += 1
-            rate[decaying] = visits[row[decaying], cell[decaying], action[decaying]] ** exponent
-            q[row, cell, action] += rate * (target - here[row, action])
+            target = np.where(arrived, prize + cost, cost + discount * q[:, row, there].max(0))
+            where = (action[decaying], row[decaying], cell[decaying])
+            visits[where] += 1
+            rate[decaying] = visits[where] ** exponent
+            q[action, row, cell] += rate * (target - here[action, row])
             age += 1
             over = arrived | (age >= longest)
             if over.any():
@@ -232,4 +233,4 @@ class QLearners:
                 age[over] = 0
             cell = body.cell
             if step in budgets:
-                yield q.argmax(-1).reshape(*shape, self.maze.cells)
+                yield q.argmax(0).reshape(*shape, self.maze.cells)

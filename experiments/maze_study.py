@@ -304,7 +304,9 @@ def _summary(metrics: dict[str, Any]) -> str:
         "steps / teacher's steps": both("step_ratio"),
         "the same without the learned prior": both("step_ratio_without_prior"),
         "steps per imitation where Eq. (1) is 0/0": both("uninformed_steps"),
-        "intent, filter right at the end": f"{metrics['intent_filter_accuracy']:.4f} of {metrics['intent_walks']} walks",
+        f"intent, filter right at the end, share of {metrics['intent_walks']} walks": "{:.4f}".format(
+            metrics["intent_filter_accuracy"]
+        ),
         "mean log-loss: filter, Eq. (2) step by step, filter that never doubts": "{:.3f}, {:.3f}, {:.3f} bit".format(
             *losses
         ),
