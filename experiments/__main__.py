@@ -1,7 +1,6 @@
 """The command line: `imitate NAME [options]`, `imitate list`, `imitate --help`."""
 
 import io
-import os
 import re
 import sys
 from contextlib import redirect_stderr
@@ -21,7 +20,6 @@ USAGE = "usage: imitate NAME [options] | imitate list | imitate NAME --help"
 def main(arguments: list[str] | None = None) -> int:
     """Run one experiment; the exit status is 0, 2 for what the user can mend, 130 when interrupted."""
     words = sys.argv[1:] if arguments is None else arguments
-    os.environ.setdefault("MUJOCO_GL", "disabled")  # dm_control must not look for a display
     try:
         if not words or words[0] in ("-h", "--help", "list"):
             listing(full=not words or words[0] != "list")

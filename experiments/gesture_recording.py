@@ -17,6 +17,7 @@ from experiments.recording import (
     heat_map,
     log_bars,
     log_body,
+    log_picture,
     log_series,
     log_stick_figure,
     recording,
@@ -53,7 +54,7 @@ def blueprint(joints: list[str]) -> rrb.Blueprint:
         origin="/world",
         line_grid=False,
         background=[32, 36, 42],
-        eye_controls=rrb.EyeControls3D(position=[1.35, 0.25, 0.75], look_target=[0.0, 0.25, 0.4]),
+        eye_controls=rrb.EyeControls3D(position=[1.12, 0.27, 0.55], look_target=[0.0, 0.27, 0.3]),
     )
     angles = [
         rrb.TimeSeriesView(
@@ -61,8 +62,9 @@ def blueprint(joints: list[str]) -> rrb.Blueprint:
             origin=f"/joints/{joint}",
             contents=[f"/joints/{joint}/demonstrated", f"/joints/{joint}/imitated", f"/joints/{joint}/replayed"],
         )
-        for joint in joints
+        for joint in joints[:2]
     ]
+    angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
     beliefs = [
         rrb.BarChartView(name=f"P(action) {joints[0]}", origin=f"/belief/{joints[0]}/posterior"),
         rrb.TimeSeriesView(name="felt bias [deg]", origin="/correction"),
@@ -71,7 +73,6 @@ def blueprint(joints: list[str]) -> rrb.Blueprint:
         *(rrb.Spatial2DView(name=f"posterior, {joint}", origin=f"/belief/{joint}/history") for joint in joints),
         rrb.TimeSeriesView(name="entropy [bit]", contents=["/belief/*/entropy"]),
         rrb.TimeSeriesView(name="evidence [log10]", contents=["/belief/*/evidence"]),
-        rrb.TimeSeriesView(name="error [deg]", contents=["/error/**"]),
         rrb.Spatial2DView(name="body schema", origin="/babbling/body_schema"),
         rrb.Spatial2DView(name="table coverage", origin="/babbling/coverage"),
         active_tab=0,
@@ -138,8 +139,7 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
         factor, name = done.factors[joint], done.body.joints[joint]
         posterior = last.posterior[:, factor]
         log_bars(stream, f"belief/{name}/posterior", posterior, tick)
-        picture = heat_map(posterior.T[::-1] ** 0.5, tall=4)
-        stream.log(f"belief/{name}/history", rr.Image(picture), static=True)
+        log_picture(stream, f"belief/{name}/history", heat_map(posterior.T[::-1] ** 0.5, aspect=4.0))
         log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
         evidence = np.log10(np.maximum(last.evidence[:, 0, factor], 1e-30))
         log_series(stream, f"belief/{name}/evidence", evidence, tick, name, colour)
@@ -149,10 +149,9 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
 
 def _log_babbling(stream: rr.RecordingStream, done: Performed) -> None:
     mind = done.learned.mind
-    information = heat_map(mind.pilot.schema.information, tall=12, wide=12)
-    stream.log("babbling/body_schema", rr.Image(information), static=True)
+    log_picture(stream, "babbling/body_schema", heat_map(mind.pilot.schema.information, aspect=3.0))
     visits = np.log1p(mind.forward_model.visits)
     tiles = [visits[done.factors[joint]] for joint in done.busiest[:SHOWN]]
     gap = np.full((1, visits.shape[-1]), visits.max())
     coverage = np.concatenate([part for tile in tiles for part in (tile, gap)][:-1])
-    stream.log("babbling/coverage", rr.Image(heat_map(coverage, "viridis", tall=8, wide=8)), static=True)
+    log_picture(stream, "babbling/coverage", heat_map(coverage, "viridis", aspect=3.0))

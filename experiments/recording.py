@@ -3,12 +3,14 @@
 Episodes are buffered and sent once, column by column: a recording is then small and quick to open.
 """
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib
+import matplotlib.image
 import numpy as np
 import pyarrow as pa
 import rerun as rr
@@ -139,9 +141,22 @@ def log_bars(stream: rr.RecordingStream, entity: str, rows: FloatArray, tick_s: 
     stream.send_columns(entity, ticks(len(rows), tick_s), [rr.ComponentColumn(descriptor, _Rows(rows))])
 
 
-def heat_map(values: FloatArray, colours: str = "magma", tall: int = 1, wide: int = 1) -> NDArray[np.uint8]:
-    """(H, W) numbers as an RGB picture, rows and columns repeated to be seen."""
+HEIGHT = 360
+"""Pixels of a heat map: small tables are enlarged to be seen."""
+
+
+def heat_map(values: FloatArray, colours: str = "magma", aspect: float = 1.0) -> NDArray[np.uint8]:
+    """(H, W) numbers as an RGB picture of about `aspect` = width / height, every number a block of pixels."""
     span = values.max() - values.min()
     scaled = (values - values.min()) / (span if span > 0 else 1.0)
     rgb = (matplotlib.colormaps[colours](scaled)[..., :3] * 255).astype(np.uint8)
+    tall = max(1, round(HEIGHT / len(rgb)))
+    wide = max(1, round(aspect * tall * len(rgb) / rgb.shape[1]))
     return np.repeat(np.repeat(rgb, tall, axis=0), wide, axis=1)
+
+
+def log_picture(stream: rr.RecordingStream, entity: str, rgb: NDArray[np.uint8]) -> None:
+    """A still picture, as PNG."""
+    png = io.BytesIO()
+    matplotlib.image.imsave(png, rgb, format="png")
+    stream.log(entity, rr.EncodedImage(contents=png.getvalue(), media_type="image/png"), static=True)
