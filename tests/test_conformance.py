@@ -1,0 +1,212 @@
+"""What every registered thing has to keep: a newcomer is tested by being entered into its dict."""
+
+import ast
+import inspect
+import os
+import re
+import runpy
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from babbling.axes import Axis
+from babbling.errors import BabblingError
+from babbling.exploration import EXPLORATION, MotorRange, exploration
+from experiments.__main__ import main
+from experiments.registry import EXPERIMENTS, entry
+from imitation.errors import ImitationError
+from imitation.selection import SELECTION, selection_rule
+from models.errors import BodyError
+from models.loading import ROBOTS, load_body
+from models.motion import FORMATS, MotionError, read_motion
+from models.teachers import DEMONSTRATIONS, perform
+from models.teachers import robots as teaching
+
+ROOT = Path(__file__).resolve().parents[1]
+FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
+REGISTRIES: dict[str, tuple[Mapping[str, object], Callable[[str], object], type[Exception]]] = {
+    "robot": (ROBOTS, load_body, BodyError),
+    "demonstration": (DEMONSTRATIONS, perform, BodyError),
+    "exploration": (EXPLORATION, exploration, BabblingError),
+    "selection": (SELECTION, selection_rule, ImitationError),
+    "experiment": (EXPERIMENTS, entry, BabblingError),
+}
+
+
+@pytest.mark.parametrize("kind", REGISTRIES)
+def test_names_are_typeable_and_a_wrong_one_is_answered_with_the_nearest(kind: str) -> None:
+    registered, ask, error = REGISTRIES[kind]
+    assert registered
+    for name in registered:
+        assert re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name), name
+        with pytest.raises(error, match=rf"unknown {kind} '{name}x'; there are .*did you mean") as caught:
+            ask(name + "x")
+        assert "\n" not in str(caught.value)
+
+
+def line_of(one: object) -> str:
+    """What people are told of a registered thing."""
+    told = getattr(one, "line", None) or getattr(one, "about", None) or inspect.getdoc(one) or ""
+    return str(told).splitlines()[0] if told else ""
+
+
+@pytest.mark.parametrize("kind", REGISTRIES)
+def test_everything_is_described_in_a_line_of_its_own(kind: str) -> None:
+    lines = {name: line_of(one) for name, one in REGISTRIES[kind][0].items()}
+    assert all(15 <= len(line) <= 120 for line in lines.values()), lines
+    assert len(set(lines.values())) == len(lines)
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_an_experiment_is_options_and_a_run(name: str) -> None:
+    module = entry(name).load()
+    assert (module.__doc__ or "").strip()
+    assert is_dataclass(module.Config)
+    config = module.Config()
+    with pytest.raises(AttributeError):
+        config.seed = 1  # frozen
+    assert {"out", "seed"} <= {field.name for field in fields(module.Config)}
+    assert config.out is None and config.seed == 0
+    assert callable(getattr(module, "run", None) or getattr(module, "command", None))
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_every_option_of_an_experiment_is_explained(name: str) -> None:
+    source = ast.parse(inspect.getsource(entry(name).load().Config)).body[0]
+    assert isinstance(source, ast.ClassDef)
+    for statement, following in zip(source.body, [*source.body[1:], None], strict=True):
+        if isinstance(statement, ast.AnnAssign):
+            explained = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
+            assert explained, f"{name}: {ast.unparse(statement.target)} has no line under it"
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_help_names_every_option_both_ways(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = entry(name)
+    options = [f"--{field.name.replace('_', '-')}" for field in fields(one.load().Config)]
+    assert main([name, "--help"]) == 0
+    shown = capsys.readouterr().out
+    assert [option for option in options if option not in shown] == []
+    assert one.line.split()[0] in shown
+    monkeypatch.setattr(sys, "argv", [one.module, "--help"])  # python -m experiments.NAME
+    with monkeypatch.context() as scope:
+        scope.delitem(sys.modules, f"experiments.{one.module}")
+        with pytest.raises(SystemExit) as stop:
+            runpy.run_module(f"experiments.{one.module}", run_name="__main__")
+    assert stop.value.code in (0, None)
+    assert "--seed" in capsys.readouterr().out
+
+
+def test_the_list_shows_everything_and_waits_for_no_physics() -> None:
+    code = (
+        "import sys; from experiments.__main__ import main; status = main(['list']);"
+        "print(sorted({'mujoco', 'pinocchio', 'dm_control', 'rerun'} & set(sys.modules)), status)"
+    )
+    shown = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, env=os.environ, capture_output=True, text=True, check=True, timeout=60
+    ).stdout.splitlines()
+    assert shown[-1] == "[] 0"
+    assert [line.split()[0] for line in shown[:-1]] == list(EXPERIMENTS)
+
+
+def test_a_wrong_name_is_exit_2_and_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["gestrue"]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.splitlines()) == 1 and "did you mean 'gesture'?" in shown.err
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_robot_feels_the_same_again(name: str) -> None:
+    def felt(seed: int) -> NDArray[np.float64]:
+        body = load_body(name, copies=2, threads=1, noise=0.01, seed=seed)
+        assert body.copies == 2
+        assert (body.motor_low < body.motor_high).all() and (body.sense_low < body.sense_high).all()
+        rng = np.random.default_rng(5)
+        moves = rng.uniform(body.motor_low, body.motor_high, (3, 2, len(body.motor_low)))
+        return np.array([body.reset(), *(body.act(0.3 * move) for move in moves)])
+
+    senses = felt(0)
+    assert senses.shape[1] == 2 and np.isfinite(senses).all()
+    np.testing.assert_array_equal(senses, felt(0))
+    assert (senses != felt(1)).any()
+    assert np.abs(senses[3] - senses[0]).max() > 0.02  # it moves
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
+def test_a_robots_folder_has_its_papers(folder: Path) -> None:
+    papers = (folder / "README.md").read_text()
+    assert (folder / f"{folder.name}.xml").exists() and (folder / "scene.xml").exists()
+    for file in folder.glob("*.xml"):
+        assert f"`{file.name}`" in papers, f"{folder.name}/README.md does not say what {file.name} is"
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("content", [b"", bytes(range(256)) * 8], ids=["empty", "noise"])
+def test_a_format_refuses_what_is_none_of_it(suffix: str, content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / f"movement{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(MotionError) as caught:
+        read_motion(path)
+    assert path.name in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", DEMONSTRATIONS)
+def test_a_demonstration_is_postures_in_order(name: str) -> None:
+    one = DEMONSTRATIONS[name]
+    times = [time for time, _ in one.postures]
+    assert one.robot in teaching.ROBOTS
+    assert times[0] == 0 and len(times) > 1 and (np.diff(times) > 0).all()
+    assert any(a != b for (_, a), (_, b) in zip(one.postures, one.postures[1:], strict=False))
+
+
+@pytest.mark.parametrize("name", EXPLORATION)
+def test_an_exploration_stays_in_its_range_and_can_be_repeated(name: str) -> None:
+    low, high = np.array([0.0, -2.0, 1.0]), np.array([4.0, 1.0, 2.0])
+    motors = MotorRange(low, high, rest=np.array([2.0, 0.0, 1.0]), speed=(high - low) / 0.3, jitter=np.zeros(3))
+
+    def commands(seed: int) -> NDArray[np.float64]:
+        return np.array(list(islice(exploration(name)(motors, 4, 0.02, np.random.default_rng(seed)), 400)))
+
+    sent = commands(7)
+    assert sent.shape == (400, 4, 3) and np.isfinite(sent).all()
+    assert (sent >= low - 1e-12).all() and (sent <= high + 1e-12).all()
+    assert (np.ptp(sent, axis=(0, 1)) > 0.5 * (high - low)).all()  # and it explores
+    np.testing.assert_array_equal(sent, commands(7))
+    assert (sent != commands(8)).any()
+
+
+AXES = {
+    "measured": Axis("action", "rad", np.array([-1.0, 2.0]), np.array([1.0, 2.5]), 9),
+    "categorical": Axis.categorical("action", ("north", "east", "south"), factors=2),
+}
+
+
+@pytest.mark.parametrize("axis", AXES.values(), ids=AXES)
+@pytest.mark.parametrize("name", SELECTION)
+def test_a_selection_is_an_action_of_the_axis(name: str, axis: Axis) -> None:
+    rule, rng = selection_rule(name), np.random.default_rng(3)
+    posteriors = rng.dirichlet(np.full(axis.size, 0.3), (200, 2))
+    certain = np.eye(axis.size)[[[1, 2]]]
+    if name == "mean" and axis.is_categorical:
+        with pytest.raises(ImitationError, match="have no mean"):
+            rule(posteriors, axis, rng)
+        return
+    actions = rule(posteriors, axis, rng)
+    assert actions.shape == (200, 2)
+    assert (actions >= axis.low - 1e-12).all() and (actions <= axis.high + 1e-12).all()
+    if axis.is_categorical:
+        assert set(np.unique(actions)) <= set(range(axis.size))
+    chosen = np.array([rule(certain, axis, rng)[0] for _ in range(50)])
+    assert (np.abs(chosen - [axis.points[0, 1], axis.points[1, 2]]) <= axis.step + 1e-12).all()
+    again = [rule(posteriors, axis, np.random.default_rng(4)) for _ in range(2)]
+    np.testing.assert_array_equal(*again)
