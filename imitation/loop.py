@@ -5,13 +5,14 @@ sub-goal; the efference copy carries the belief on. From attempt to attempt, wha
 """
 
 import time
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.mind import Mind
+from imitation.bayes import ActionPosterior
 from imitation.belief import StateEstimate
 from imitation.errors import ImitationError
 from imitation.inverse import BayesianInverse, InverseModel
@@ -46,12 +47,11 @@ class Attempt(NamedTuple):
     """(T,) wall time of one selection for all factors and copies."""
 
 
-class Witness:
+class Witness(Protocol):
     """Reads something off a body at every tick, for those who judge."""
 
     def read(self) -> FloatArray:
         """(B, ...)."""
-        return np.zeros((0,))
 
 
 def imitate(
@@ -155,11 +155,13 @@ def _attempt(
 
 
 def _note_beliefs(
-    record: dict[str, list[FloatArray]], posterior: object, mind: Mind, rate: FloatArray, action: FloatArray
+    record: dict[str, list[FloatArray]],
+    posterior: ActionPosterior | None,
+    mind: Mind,
+    rate: FloatArray,
+    action: FloatArray,
 ) -> None:
-    from imitation.bayes import ActionPosterior
-
-    if not isinstance(posterior, ActionPosterior):
+    if posterior is None:
         return
     record["posterior"].append(posterior.probability[0].astype(np.float32))
     record["evidence"].append(posterior.evidence)

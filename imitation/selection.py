@@ -58,7 +58,8 @@ def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generato
         (np.cumsum(probability, -1) <= threshold * probability.sum(-1, keepdims=True)).sum(-1), axis.size - 1
     )
     if axis.is_categorical:
-        return drawn.astype(float)
+        category: FloatArray = drawn.astype(float)
+        return category
     place = drawn + rng.triangular(-1.0, 0.0, 1.0, drawn.shape)
     action: FloatArray = axis.low + np.clip(place, 0, axis.size - 1) * axis.step
     return action
