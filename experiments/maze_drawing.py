@@ -26,13 +26,13 @@ def wall_segments(maze: Maze) -> list[tuple[tuple[float, float], tuple[float, fl
 
 def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "black", width: float = 2.6) -> None:
     """Walls, start and goals, equal aspect, ticks in cell coordinates."""
-    axes.add_collection(
-        LineCollection(wall_segments(maze), colors=colour, linewidths=width, capstyle="projecting", zorder=3)
-    )
+    size = mark_size(maze)
+    walls = LineCollection(wall_segments(maze), colors=colour, linewidths=width * size, capstyle="projecting", zorder=3)
+    axes.add_collection(walls)
     if marks:
-        axes.plot(*maze.start, "*", color="black", markersize=11, zorder=4)
-        for shade, (x, y) in zip(GOAL_SHADES, maze.goals, strict=False):
-            axes.plot(x, y, "o", color=shade, markersize=11, markeredgecolor="black", markeredgewidth=1.2, zorder=2.5)
+        axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * size, zorder=4)
+        for number in range(1, len(maze.goals) + 1):
+            draw_goal(axes, maze, number)
     axes.set_xlim(0.2, maze.width + 0.8)
     axes.set_ylim(0.2, maze.height + 0.8)
     axes.set_aspect("equal")
@@ -41,6 +41,23 @@ def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "blac
     axes.tick_params(length=0, labelsize=8)
     for spine in axes.spines.values():
         spine.set_visible(False)
+
+
+def draw_goal(axes: Axes, maze: Maze, goal: int) -> None:
+    """The shaded oval of one goal."""
+    style = {"color": GOAL_SHADES[goal - 1], "markeredgecolor": "black", "markeredgewidth": 1.2}
+    axes.plot(
+        *maze.goals[goal - 1],
+        "o",
+        markersize=5 + 6 * mark_size(maze),
+        zorder=2.5 if mark_size(maze) == 1 else 4,
+        **style,
+    )
+
+
+def mark_size(maze: Maze) -> float:
+    """How large lines and marks are drawn: 1 for the chapter's maze, thinner in larger ones."""
+    return float(min(1.0, 20 / max(maze.width, maze.height)))
 
 
 def draw_walks(

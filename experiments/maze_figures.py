@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from babbling.axes import FloatArray
-from experiments.maze_drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_walks
+from experiments.maze_drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
 from experiments.maze_learning import Curve
 from experiments.maze_mind import Inferred
 from imitation.follow import Journey
@@ -109,10 +109,9 @@ def figure_6(
 
 def _own_goal(axes: Axes, maze: Maze, goal: int) -> None:
     """The maze with only the goal in question, as in the chapter's Figures 6 and 7."""
-    draw_maze(axes, Maze(maze.walls, maze.start, ()), width=2.2)
-    x, y = maze.goals[goal - 1]
-    shade = GOAL_SHADES[goal - 1]
-    axes.plot(x, y, "o", color=shade, markersize=11, markeredgecolor="black", markeredgewidth=1.2, zorder=2.5)
+    draw_maze(axes, maze, marks=False, width=2.2)
+    axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * mark_size(maze), zorder=4)
+    draw_goal(axes, maze, goal)
 
 
 def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_prior: FloatArray, block: int) -> Figure:
@@ -152,7 +151,7 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
         axes.set_ylabel("$P(s_G)$" if i < 2 else "")
         axes.set_xlabel(f"step (means over {block}, the last over {last})" if i == 1 else "step" if i % 2 else "")
         if i == 0:
-            axes.legend(frameon=False, fontsize=9, loc="center right")
+            axes.legend(frameon=False, fontsize=9, loc="center")
     return figure
 
 
@@ -162,7 +161,8 @@ def learning_curve(curve: Curve) -> Figure:
     figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")
     axes = figure.add_subplot(1, 2 if wide else 1, 1)
     low, high = zip(*curve.spread, strict=True)
-    axes.fill_between(curve.steps, low, high, color="#1b6ca8", alpha=0.18, lw=0, label="8 walkers of 10")
+    if low != high:
+        axes.fill_between(curve.steps, low, high, color="#1b6ca8", alpha=0.18, lw=0, label="8 walkers of 10")
     axes.loglog(curve.steps, curve.tv, "o-", color="#1b6ca8", label="learned rows")
     axes.loglog(curve.steps, curve.bound, "k--", lw=1.3, label="multinomial bound")
     axes.set_xlabel("wandering steps")
