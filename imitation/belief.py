@@ -7,30 +7,22 @@ by hand. The bias is what the body does and the forward model did not expect: th
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.dynamics import LinearDynamics
 from babbling.schema import BodySchema
-
-
-class Belief(NamedTuple):
-    """N(mean, covariance) over x = (posture, rate, bias)."""
-
-    mean: FloatArray
-    """(B, F, 3)."""
-    covariance: FloatArray
-    """(F, 3, 3) the same for all copies: it depends on the model, not on what was felt."""
-
+from imitation.filters import kalman
+from imitation.filters.kalman import Belief
 
 Expectation = Callable[[FloatArray, FloatArray], FloatArray]
 """(B, F) rate and action to (B, F) expected displacement beyond coasting."""
 
 
 class StateEstimate:
-    """Kalman filter with the learned dynamics.
+    """Beliefs N(mean (B, F, 3), covariance (F, 3, 3)) over (posture, rate, bias); all copies share a covariance, which
+    depends on the dynamics and not on what was felt.
 
     Args:
         schema: the noise of the senses.
@@ -42,34 +34,28 @@ class StateEstimate:
 
     def __init__(self, schema: BodySchema, dynamics: LinearDynamics, expectation: Expectation | None = None) -> None:
         self.dynamics, self.expectation = dynamics, expectation
-        self.noise = np.zeros((len(schema.noise), 2, 2))
-        self.noise[:, 0, 0], self.noise[:, 1, 1] = schema.noise**2, schema.rate_noise**2
+        noise = np.zeros((len(schema.noise), 2, 2))
+        noise[:, 0, 0], noise[:, 1, 1] = schema.noise**2, schema.rate_noise**2
+        self.system = kalman.System(dynamics.transition, dynamics.noise, np.eye(2, 3), noise)
 
     def start(self, posture: FloatArray, rate: FloatArray) -> Belief:
         """Belief after the first (B, F) senses: they are all there is, and the bias is unknown."""
         covariance = np.zeros((posture.shape[1], 3, 3))
-        covariance[:, :2, :2] = self.noise
+        covariance[:, :2, :2] = self.system.observation_noise
         covariance[:, 2, 2] = self.dynamics.bias_variance
         return Belief(np.stack([posture, rate, np.zeros_like(posture)], -1), covariance)
 
     def predict(self, belief: Belief, command: FloatArray) -> Belief:
-        """One tick later, having commanded postures (B, F): x' = A x + B c + b, P' = A P A^T + Q."""
-        a = self.dynamics.transition
-        mean = (a @ belief.mean[..., None])[..., 0] + self.dynamics.control * command[..., None] + self.dynamics.offset
+        """One tick later, having commanded postures (B, F): the efference copy pushes the belief on."""
+        push = self.dynamics.control * command[..., None] + self.dynamics.offset
         if self.expectation is not None:
-            posture, rate, _ = np.moveaxis(belief.mean, -1, 0)
+            posture, rate = belief.mean[..., 0], belief.mean[..., 1]
             line = self.dynamics.offset[:, 0] + self.dynamics.control[:, 0] * (command - posture)
             departure = self.expectation(rate, command - posture) - line
-            mean[..., 0] += departure
-            mean[..., 1] += a[:, 1, 2] * departure
-        return Belief(mean, a @ belief.covariance @ a.transpose(0, 2, 1) + self.dynamics.noise)
+            push[..., 0] += departure
+            push[..., 1] += self.dynamics.transition[:, 1, 2] * departure
+        return kalman.predict(self.system, belief, push)
 
     def correct(self, belief: Belief, posture: FloatArray, rate: FloatArray) -> Belief:
-        """Having felt (B, F) posture and rate: x + K (z - H x), (1 - K H) P, K = P H^T (H P H^T + R)^-1."""
-        p = belief.covariance
-        gain = p[:, :, :2] @ np.linalg.inv(p[:, :2, :2] + self.noise)
-        surprise = np.stack([posture, rate], -1) - belief.mean[..., :2]
-        covariance = p - gain @ p[:, :2, :]
-        return Belief(
-            belief.mean + (gain @ surprise[..., None])[..., 0], (covariance + covariance.transpose(0, 2, 1)) / 2
-        )
+        """Having felt (B, F) posture and rate."""
+        return kalman.update(self.system, belief, np.stack([posture, rate], -1))[0]
