@@ -15,6 +15,8 @@ from babbling.axes import FloatArray, IntArray
 from babbling.errors import BabblingError
 
 BINS = 12
+LEAST_BITS = 0.1
+"""A sense that knows less than this about a motor is not moved by it, however many samples say so."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +97,16 @@ def find_schema(
     rows, posture = linear_sum_assignment(-information)
     if len(rows) < m.shape[1]:
         raise BabblingError(f"{m.shape[1]} motors but only {s.shape[1]} senses: each motor needs a sense that it moves")
-    weak = information[rows, posture] < 0.1
+    # how much another copy's motors seem to tell by chance: smooth movements are far fewer samples than ticks
+    by_chance = [mutual_information(other.reshape(m.shape), s).max() for other in _others(motors)]
+    chance = max(LEAST_BITS, 1.1 * float(max(by_chance)))
+    weak = information[rows, posture] < chance
     if weak.any():
-        raise BabblingError(f"motor {int(np.argmax(weak))} moves nothing that is felt (under 0.1 bit with every sense)")
+        dead = int(np.argmax(weak))
+        raise BabblingError(
+            f"motor {dead} moves nothing that is felt: at most {information[dead].max():.2f} bit with any sense, where "
+            f"chance alone explains {chance:.2f}; connect it, or leave it out"
+        )
     # the rate sense: among the others, the one that goes with the posture's own change
     change = change.reshape(-1, change.shape[-1])[:, posture]
     level = senses[1:].reshape(-1, senses.shape[-1])
@@ -111,6 +120,13 @@ def find_schema(
     offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
     noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
     return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
+
+
+def _others(motors: FloatArray) -> list[FloatArray]:
+    """(T, B, M) commands of other copies, which cannot have moved these senses; one copy alone: of another time."""
+    if motors.shape[1] == 1:
+        return [np.roll(motors, len(motors) // 2, axis=0)]
+    return [np.roll(motors, shift, axis=1) for shift in range(1, min(motors.shape[1], 4))]
 
 
 def resolution(senses: FloatArray) -> FloatArray:

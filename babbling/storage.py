@@ -6,10 +6,12 @@ A file holds numbers and labels, never code. It is written beside its name and r
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -80,7 +82,8 @@ def write_dataset(dataset: xr.Dataset, path: Path, compressed: tuple[str, ...] =
     except OSError as error:
         raise BabblingError(f"{path}: cannot be written ({error.strerror or error}); name a place that can") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
 
 
 def read_dataset(path: Path, kind: str, version: int) -> xr.Dataset:
@@ -96,17 +99,19 @@ def read_dataset(path: Path, kind: str, version: int) -> xr.Dataset:
     if path.stat().st_size > LARGEST_BYTES:
         raise BabblingError(f"{path}: {path.stat().st_size} bytes; more than {LARGEST_BYTES} are not read")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
-            unpacked = opened.nbytes  # by its header; nothing is read yet
-            dataset = opened.load() if unpacked <= LARGEST_UNPACKED else opened
-    except Exception as error:  # h5py raises many kinds on damaged files
+        found, unpacked = _header(path)
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError) as error:  # whatever h5py finds damaged
         raise BabblingError(
             f"{path}: not a readable NetCDF-4 file (truncated, or something else); make it anew"
         ) from error
+    if found != kind:
+        raise BabblingError(f"{path}: this is not a file of kind {kind!r}; make one with `imitate babble`")
     if unpacked > LARGEST_UNPACKED:
         raise BabblingError(f"{path}: unpacks to {unpacked} bytes; more than {LARGEST_UNPACKED} are not read")
-    if dataset.attrs.get("format") != kind:
-        raise BabblingError(f"{path}: this is not a file of kind {kind!r}; make one with `imitate babble`")
+    try:
+        dataset = xr.load_dataset(path, engine="h5netcdf")
+    except Exception as error:  # h5py, h5netcdf and xarray raise many kinds on damaged files
+        raise BabblingError(f"{path}: this NetCDF-4 file is damaged; make it anew") from error
     found = dataset.attrs.get("version")
     if not isinstance(found, int | np.integer) or found > version:
         raise BabblingError(
@@ -122,12 +127,25 @@ def check_kind(path: Path) -> None:
         BabblingError: it is something else.
     """
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
-            found = opened.attrs.get("format")
-    except Exception as error:  # h5py raises many kinds on what is no NetCDF-4
-        raise BabblingError(f"{path}: this is no forward model and would be lost; choose another name") from error
+        found, _ = _header(path)
+    except (OSError, RuntimeError, ValueError, KeyError, TypeError):
+        found = None
     if found != FORMAT:
         raise BabblingError(f"{path}: this is no forward model and would be lost; choose another name")
+
+
+def _header(path: Path) -> tuple[object, int]:
+    """What a file says it is, and how many bytes its arrays unpack to; the arrays themselves stay unread."""
+    with h5py.File(path, "r") as file:
+        sizes: list[int] = []
+
+        def note(_: str, item: object) -> None:
+            if isinstance(item, h5py.Dataset):
+                sizes.append(int(item.size or 0) * item.dtype.itemsize)
+
+        file.visititems(note)
+        found = file.attrs.get("format")
+        return found.decode() if isinstance(found, bytes) else found, sum(sizes)
 
 
 def load_mind(path: Path) -> tuple[Mind, Mapping[str, Any]]:

@@ -3,7 +3,11 @@
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from babbling.mind import Mind, learn
+from models.loading import load_body
 
 os.environ.setdefault("MUJOCO_GL", "disabled")
 
@@ -16,3 +20,65 @@ def cmu() -> Path:
     if not CMU.is_dir():
         pytest.skip("CMU motion capture files are not beside the project")
     return CMU
+
+
+ARM = """
+<mujoco model="arm">
+  <compiler angle="radian" autolimits="true"/>
+  <option timestep="0.005" integrator="implicitfast"/>
+  <default>
+    <joint damping="0.05" armature="0.01" frictionloss="0.002"/>
+    <position kp="20" kv="1" inheritrange="1"/>
+  </default>
+  <worldbody>
+    <body name="upper" pos="0 0 1">
+      <joint name="shoulder" axis="0 1 0" range="-1.5 1.0"/>
+      <geom name="upper" type="capsule" fromto="0 0 0 0 0 -0.3" size="0.03" mass="0.4"/>
+      <body name="fore" pos="0 0 -0.3">
+        <joint name="elbow" axis="0 1 0" range="-0.4 2.0"/>
+        <geom name="fore" type="capsule" fromto="0 0 0 0 0 -0.25" size="0.025" mass="0.2"/>
+        <body name="hand" pos="0 0 -0.25">
+          <joint name="wrist" axis="1 0 0" range="-1 1"/>
+          <geom name="hand" type="box" pos="0 0 -0.05" size="0.02 0.03 0.05" mass="0.05"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="shoulder" joint="shoulder"/>
+    <position name="elbow" joint="elbow"/>
+    <position name="wrist" joint="wrist"/>
+  </actuator>
+</mujoco>
+"""
+
+
+@pytest.fixture(scope="session")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A robot of three joints, as a user brings it."""
+    path = tmp_path_factory.mktemp("robot") / "arm.xml"
+    path.write_text(ARM)
+    return path
+
+
+@pytest.fixture(scope="session")
+def wave(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two seconds of movement for `arm`, as a user brings it."""
+    t = np.arange(0, 2, 0.02)
+    angles = np.stack([-0.3 + 0.5 * np.sin(2 * t), 0.8 + 0.6 * np.sin(3 * t + 1), 0.4 * np.sin(4 * t)], 1)
+    path = tmp_path_factory.mktemp("movement") / "wave.csv"
+    rows = [",".join(map(repr, (moment, *row))) for moment, row in zip(t.tolist(), angles.tolist(), strict=True)]
+    path.write_text("\n".join(["time,shoulder,elbow,wrist", *rows]) + "\n")
+    return path
+
+
+@pytest.fixture(scope="session")
+def arm_mind(arm: Path) -> Mind:
+    """What one minute of babbling teaches of `arm`."""
+    return learn(load_body(arm, copies=16), minutes=1, seed=0)
+
+
+@pytest.fixture
+def few_copies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Babble with 8 copies instead of the many that fill a processor."""
+    monkeypatch.setattr("experiments.minds.COPIES", 8)

@@ -1,0 +1,108 @@
+"""Babbling: bouts stand alone, so any cut, order or resumption gives the same counts; exploration keeps its laws."""
+
+import numpy as np
+import pytest
+
+from babbling.errors import BabblingError
+from babbling.exploration import MotorRange, smooth
+from babbling.loop import babble, bouts, experience, explore, flat
+from babbling.mind import Mind, learn
+from babbling.storage import load_mind, save_mind
+from models.loading import load_body
+
+
+@pytest.mark.parametrize("minutes", [0.0, -1.0, np.nan, np.inf, 1e-6])
+def test_impossible_times(arm, minutes):
+    with pytest.raises(BabblingError, match=r"minutes of babbling: it must be more than 0, at least one tick"):
+        bouts(minutes, load_body(arm, copies=8))
+
+
+def test_bouts_add_up(arm):
+    body = load_body(arm, copies=8)
+    plan = bouts(5.0, body)
+    assert sum(plan) * 8 * body.tick_s / 60 == pytest.approx(5.0, abs=8 * body.tick_s / 60)
+    assert max(plan) == 500 and all(n == 500 for n in plan[:-1])
+
+
+def test_bouts_in_any_order_on_any_body_and_resumed_are_the_same(arm, arm_mind):
+    body, other, plan = load_body(arm, copies=8), load_body(arm, copies=8, threads=1), (40, 50, 60)
+    whole = babble(body, arm_mind.pilot, plan, 3)
+    first = babble(body, arm_mind.pilot, plan[:1], 3)
+    resumed = babble(other, arm_mind.pilot, plan, 3, onto=first, first=1)
+    shards = arm_mind.pilot.forward_model()
+    for bout in (2, 0, 1):
+        shard = arm_mind.pilot.forward_model()
+        lived = flat(*experience(other, arm_mind.pilot, 3, bout, plan[bout]))
+        shard.observe(*arm_mind.pilot.reading.transitions(*lived))
+        shards.merge(shard)
+    for model in (resumed, shards):
+        assert (model.counts == whole.counts).all()
+        assert (model.moments.sums == whole.moments.sums).all()
+        assert (model.predictive == whole.predictive).all()
+
+
+def test_a_table_is_the_same_at_one_and_two_threads(arm):
+    minds = [learn(load_body(arm, copies=8, threads=threads), minutes=0.5, seed=4) for threads in (1, 2)]
+    assert (minds[0].forward_model.counts == minds[1].forward_model.counts).all()
+    assert (minds[0].forward_model.predictive == minds[1].forward_model.predictive).all()
+    assert minds[0].pilot.outcome.high.tobytes() == minds[1].pilot.outcome.high.tobytes()
+
+
+def test_other_seeds_live_other_lives(arm, arm_mind):
+    body = load_body(arm, copies=8)
+    one, other = (experience(body, arm_mind.pilot, seed, 0, 20)[0] for seed in (0, 1))
+    assert not np.array_equal(one, other)
+    assert np.array_equal(one, experience(body, arm_mind.pilot, 0, 0, 20)[0])
+
+
+def test_explore_begins_at_rest_and_holds_each_command_for_a_tick(arm, arm_mind):
+    body = load_body(arm, copies=3)
+    motors, senses = explore(body, arm_mind.pilot.stream(body, np.random.default_rng(0)), 12)
+    assert (senses[0] == body.reset()).all()
+    for t in range(12):
+        assert (body.act(motors[t]) == senses[t + 1]).all()
+    before, command, after = flat(motors, senses)
+    assert (before[3:] == after[:-3]).all() and len(command) == 36
+
+
+def test_smooth_babbling_keeps_to_its_range_its_speed_and_its_rest():
+    low, high, speed = np.array([-1.0, 0.0]), np.array([0.5, 0.3]), np.array([4.0, 1.0])
+    motors = MotorRange(low, high, np.array([0.2, 0.1]), speed, np.zeros(2))
+    stream = smooth(motors, 50, 0.02, np.random.default_rng(0))
+    path = np.stack([next(stream) for _ in range(1000)])
+    assert (path >= low - 1e-12).all() and (path <= high + 1e-12).all()
+    pace = np.diff(path, axis=0) / 0.02
+    assert (np.abs(pace) <= speed * (1 + 1e-9)).all()
+    assert np.abs(path[0] - motors.rest).max() < 0.01  # it starts from rest, at rest
+    # minimum jerk: the acceleration never jumps more than the first tick of the shortest move explains
+    assert np.ptp(path, axis=0).min() > 0
+    slow = (np.abs(pace) < speed / 10).mean()
+    assert 0.2 < slow < 0.95  # speeds over decades, not all at the limit
+
+
+def test_a_mind_survives_its_file_to_the_last_bit(arm_mind, tmp_path):
+    path = tmp_path / "arm.nc"
+    save_mind(arm_mind, path, robot="arm")
+    mind, notes = load_mind(path)
+    assert notes["robot"] == "arm" and mind.fingerprint == arm_mind.fingerprint and mind.seed == arm_mind.seed
+    assert_same_mind(mind, arm_mind)
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.nc"]
+
+
+def assert_same_mind(one: Mind, other: Mind) -> None:
+    assert (one.forward_model.predictive == other.forward_model.predictive).all()
+    assert (one.forward_model.moments.sums == other.forward_model.moments.sums).all()
+    assert (one.forward_model.outside == other.forward_model.outside).all()
+    for name, value in one.pilot.dynamics._asdict().items():
+        assert (value == getattr(other.pilot.dynamics, name)).all(), name
+    for part in ("schema", "motors"):
+        for name, value in vars(getattr(one.pilot, part)).items():
+            assert (value == getattr(getattr(other.pilot, part), name)).all(), name
+    assert (one.pilot.coasting == other.pilot.coasting).all()
+    assert (one.temper.eagerness == other.temper.eagerness).all() and (one.temper.habit == other.temper.habit).all()
+
+
+def test_another_body_is_refused(arm, arm_mind):
+    arm_mind.check(load_body(arm, copies=2))
+    with pytest.raises(BabblingError, match=r"learned by another body .* babble anew"):
+        arm_mind.check(load_body(arm, scramble=3))

@@ -1,0 +1,162 @@
+"""The body schema: any wiring of a body one cannot see is found by moving it, and dead motors are named."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from babbling.axes import FloatArray
+from babbling.dynamics import fit_dynamics
+from babbling.errors import BabblingError
+from babbling.pilot import pilot
+from babbling.schema import find_schema, mutual_information, resolution
+
+TICK = 0.02
+seeds = st.integers(0, 2**32 - 1)
+
+
+class Plant:
+    """Servos that go a share of the way each tick, behind permuted, flipped, scaled lines; one may be dead."""
+
+    def __init__(self, seed: int, motors: int = 5, copies: int = 6, dead: int | None = None) -> None:
+        rng = np.random.default_rng(seed)
+        self.drives = rng.permutation(motors)
+        """Motor line of each servo."""
+        self.lines = rng.permutation(2 * motors)
+        """Which of (angles, speeds) stands on each sense line."""
+        self.gain = np.exp(rng.uniform(np.log(0.5), np.log(2), motors)) * rng.choice([-1.0, 1.0], motors)
+        self.offset = rng.uniform(-0.2, 0.2, motors)
+        self.copies, self.tick_s, self.fingerprint, self.dead = copies, TICK, "plant", dead
+        self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
+        reach = np.concatenate([np.abs(self.gain) + 0.2, np.full(motors, 5.0)])
+        self.sense_low, self.sense_high = -reach[self.lines], reach[self.lines]
+
+    def reset(self) -> FloatArray:
+        self.q = np.zeros((self.copies, len(self.drives)))
+        self.v = np.zeros_like(self.q)
+        return self.feel()
+
+    def act(self, motors: FloatArray) -> FloatArray:
+        wanted = self.gain * motors[:, self.drives] + self.offset
+        if self.dead is not None:
+            wanted[:, self.drives == self.dead] = 0
+        step = 0.3 * (wanted - self.q)
+        self.q, self.v = self.q + step, step / TICK
+        return self.feel()
+
+    def feel(self) -> FloatArray:
+        return np.concatenate([self.q, self.v], 1)[:, self.lines]
+
+    def sense_of(self, which: FloatArray) -> FloatArray:
+        """Sense line on which angle (0 .. M - 1) or speed (M ..) number `which` stands."""
+        return np.argsort(self.lines)[which]
+
+
+@settings(max_examples=8, deadline=None)
+@given(seeds)
+def test_every_permutation_sign_gain_and_offset_is_found(seed: int) -> None:
+    plant = Plant(seed)
+    found = pilot(plant, 0)
+    servo = np.argsort(plant.drives)  # which each motor line drives
+    np.testing.assert_array_equal(found.schema.posture, plant.sense_of(servo))
+    np.testing.assert_array_equal(found.schema.rate, plant.sense_of(servo + 5))
+    # what a command asks for is where the servo comes to rest
+    np.testing.assert_allclose(found.schema.slope, plant.gain[servo], rtol=1e-6)
+    np.testing.assert_allclose(found.schema.offset, plant.offset[servo], atol=1e-6)
+    m = np.random.default_rng(seed).uniform(-1, 1, (3, 5))
+    np.testing.assert_allclose(found.schema.motors(found.schema.efference(m)), m, atol=1e-9)
+
+
+@settings(max_examples=4, deadline=None)
+@given(seeds)
+def test_relabelling_the_lines_relabels_the_schema_and_nothing_else(seed: int) -> None:
+    """The same body behind other lines: the same axes and dynamics up to sign and order."""
+    straight, crossed = Plant(1), Plant(1)
+    order = np.random.default_rng(seed).permutation(10)
+    crossed.lines = straight.lines[order]
+    crossed.sense_low, crossed.sense_high = straight.sense_low[order], straight.sense_high[order]
+    one, other = pilot(straight, 0), pilot(crossed, 0)
+    np.testing.assert_array_equal(order[other.schema.posture], one.schema.posture)
+    np.testing.assert_array_equal(other.outcome.high, one.outcome.high)
+    np.testing.assert_array_equal(other.dynamics.transition, one.dynamics.transition)
+
+
+def test_a_dead_motor_is_named() -> None:
+    for seed, dead in zip(range(5), (3, 0, 4, 2, 1), strict=True):
+        with pytest.raises(BabblingError, match=f"motor {dead} moves nothing that is felt"):
+            pilot(Plant(seed, dead=dead), 0)
+
+
+def test_too_few_senses() -> None:
+    rng = np.random.default_rng(0)
+    motors, senses = rng.random((50, 4, 3)), rng.random((50, 4, 2))
+    with pytest.raises(BabblingError, match="3 motors but only 2 senses"):
+        find_schema(motors, senses, senses, np.zeros(2), np.ones(2), TICK)
+
+
+def test_information_of_independent_and_of_identical_things() -> None:
+    rng = np.random.default_rng(0)
+    x = rng.standard_normal((6000, 3))
+    information = mutual_information(x, np.concatenate([x, rng.standard_normal((6000, 3))], 1))
+    np.testing.assert_allclose(np.diag(information[:, :3]), np.log2(12), atol=0.02)
+    off = information[~np.eye(3, 6, dtype=bool)]
+    assert off.max() < 0.01 and off.min() >= 0
+
+
+@settings(max_examples=15, deadline=None)
+@given(seeds)
+def test_information_does_not_care_how_a_thing_is_measured(seed: int) -> None:
+    """Rising changes of scale change no ranks; falling ones mirror the bins."""
+    rng = np.random.default_rng(seed)
+    x = rng.standard_normal((1200, 1))
+    y = x + rng.standard_normal((1200, 1))
+    plain = mutual_information(x, y)
+    assert mutual_information(x, 3 * y**3 + 1) == pytest.approx(plain, abs=1e-12)
+    assert mutual_information(-x, y) == pytest.approx(plain, abs=0.02)
+    assert mutual_information(y, x) == pytest.approx(plain, abs=1e-12)
+
+
+def test_information_of_correlated_gaussians() -> None:
+    """I = -1/2 log2(1 - r^2), a little less for what twelve bins cannot tell apart."""
+    rng = np.random.default_rng(3)
+    x, e = rng.standard_normal((2, 200_000, 1))
+    for r in (0.3, 0.6, 0.8):
+        exact = -0.5 * np.log2(1 - r**2)
+        assert 0.85 * exact < mutual_information(x, r * x + np.sqrt(1 - r**2) * e)[0, 0] < exact
+
+
+def test_resolution_is_the_finest_step() -> None:
+    x = np.random.default_rng(0).uniform(-1, 1, (5000, 1))
+    assert resolution(np.rint(x * 200) / 200)[0] == pytest.approx(1 / 200)
+
+
+def test_dynamics_of_a_known_line() -> None:
+    """q' = q + 0.3 (c - q), v' = 0.3 (c - q) / tick: told to stay it does not coast."""
+    plant = Plant(0)
+    found = pilot(plant, 0)
+    factor = 2
+    np.testing.assert_allclose(found.dynamics.transition[factor, 0], [0.7, 0, 1], atol=1e-6)
+    np.testing.assert_allclose(found.dynamics.transition[factor, 1, :2], [-0.3 / TICK, 0], atol=1e-4)
+    np.testing.assert_allclose(found.dynamics.control[factor], [0.3, 0.3 / TICK, 0], atol=1e-4)
+    np.testing.assert_allclose(found.coasting, 0, atol=1e-6)
+
+
+def test_slow_residuals_are_the_bias() -> None:
+    """White noise has next to no slow part; a push that lasts seconds is nearly all of it."""
+    plant = Plant(0, motors=2)
+    schema = pilot(plant, 0).schema
+    rng = np.random.default_rng(0)
+    motors = rng.uniform(-0.5, 0.5, (400, 40, 2))
+    white, push = 0.01 * rng.standard_normal((2, 400, 40, 2))
+    for t in range(1, 400):
+        push[t] = 0.98 * push[t - 1] + np.sqrt(1 - 0.98**2) * push[t]
+    slow = []
+    for disturbance in (white, push):
+        senses = np.zeros((401, 40, 4))
+        for t in range(400):
+            q, step = senses[t][:, schema.posture], 0.3 * (schema.efference(motors[t]) - senses[t][:, schema.posture])
+            senses[t + 1][:, schema.posture] = q + step + disturbance[t]
+            senses[t + 1][:, schema.rate] = step / TICK
+        slow.append(fit_dynamics(schema, motors, senses).bias_variance / 0.01**2)
+    assert slow[0].max() < 0.05
+    assert 0.5 < slow[1].min() and slow[1].max() < 1.1
