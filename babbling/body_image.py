@@ -1,0 +1,191 @@
+"""The body image: where one's parts are seen to point in a posture, P(direction | its joints), learned by looking.
+
+Law, per part with the n senses that move it (organ identification), each on its own axis with middle c_j:
+
+    E[direction | q] = W' phi(q),   phi(q) = kron_j (1, sin(q_j - c_j), 1 - cos(q_j - c_j)),
+    direction ~ N(E, (s^2 + s^2 phi' A^-1 phi) I),   A = phi-Gram + s^2 I
+
+3^n numbers per coordinate. A sense that turns something about an axis enters a direction through its sine and cosine
+and nothing else, and turns within turns multiply: with this table of harmonics a body of hinges is met exactly and
+experience in one posture speaks for all others, so that noise averages away over everything ever seen (a local fit to
+the nearest postures keeps most of it). Which axis, how long a limb, what hangs from what: all of that is W, learned.
+The prior W ~ N(0, I) is the only smoothing; s is the seeing noise that remains, estimated from the same sums.
+Gram, cross products and counts are additive: images of two babbles merge by adding.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from babbling.axes import FloatArray, IntArray
+from babbling.errors import BabblingError
+from babbling.mirroring import MirrorExperience
+from babbling.organs import Organs
+
+MOST_JOINTS = 6
+"""A part keeps this many senses, those that tell most about it: 3^6 harmonics."""
+AVERAGED = 5
+"""Ticks averaged before they are summed; the law is linear in phi and direction, so nothing is lost but time."""
+LEAST_VARIANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class PartImage:
+    """One part: its senses (ascending), their middles, W, the seeing noise s (rad per axis) and A^-1."""
+
+    joints: IntArray
+    centre: FloatArray
+    weights: FloatArray
+    """(3, 3, ..., 3) one axis of harmonics per joint, coordinates last."""
+    noise: float
+    inverse: FloatArray
+    """(3^n, 3^n) A^-1."""
+
+    def expected(self, postures: FloatArray) -> FloatArray:
+        """(N, 3) E[direction | posture] at (N, F) postures; not quite unit vectors."""
+        value = np.broadcast_to(self.weights.reshape(1, -1), (len(postures), self.weights.size))
+        for basis, _ in self._harmonics(postures):
+            value = _contracted(value, basis)
+        return value
+
+    def slope(self, postures: FloatArray, along: IntArray) -> tuple[FloatArray, FloatArray]:
+        """(N, 3) expected directions and (N, 3, len(along)) derivatives by those factors."""
+        values: dict[int, FloatArray] = {-1: self.weights.reshape(1, -1)}
+        for joint, (basis, rate) in zip(self.joints.tolist(), self._harmonics(postures), strict=True):
+            turned = {which: _contracted(value, basis) for which, value in values.items()}
+            if joint in along:
+                turned[joint] = _contracted(values[-1], rate)
+            values = turned
+        slope = np.zeros((len(postures), 3, len(along)))
+        for place, joint in enumerate(along.tolist()):
+            if joint in values:
+                slope[:, :, place] = values[joint]
+        return values[-1], slope
+
+    def variance(self, postures: FloatArray) -> FloatArray:
+        """(N,) variance of a seen direction along each axis, rad^2: noise, and what is not known yet."""
+        phi = _features(postures, self.joints, self.centre)
+        unknown: FloatArray = np.einsum("nk,kl,nl->n", phi, self.inverse, phi, optimize=True)
+        return self.noise**2 * (1 + unknown)
+
+    def _harmonics(self, postures: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+        """Per joint, (N, 3) harmonics and their derivative."""
+        away = postures[:, self.joints] - self.centre
+        sine, cosine = np.sin(away), np.cos(away)
+        one, none = np.ones(len(postures)), np.zeros(len(postures))
+        return [
+            (np.stack([one, sine[:, j], 1 - cosine[:, j]], 1), np.stack([none, cosine[:, j], sine[:, j]], 1))
+            for j in range(len(self.joints))
+        ]
+
+
+@dataclass(frozen=True)
+class BodyImage:
+    """All parts, and how they came about."""
+
+    organs: Organs
+    images: Mapping[str, PartImage]
+    low: FloatArray
+    """(F,) least reading of the posture senses."""
+    high: FloatArray
+    """(F,) greatest."""
+    rest: FloatArray
+    """(F,) posture it rests in: comfortable."""
+    library: FloatArray
+    """(K, F) postures that were babbled, to choose from: the discrete actions of Eq. (1)."""
+    doubt: FloatArray
+    """(K, P) variance of each part's direction in these postures, rad^2 (`PartImage.variance`)."""
+    minutes: float
+    """Body time in front of the mirror."""
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """P names."""
+        return self.organs.parts
+
+    def expected(self, postures: FloatArray) -> FloatArray:
+        """(N, P, 3) unit vectors that should be seen at (N, F) postures."""
+        found = np.stack([self.images[part].expected(postures) for part in self.parts], 1)
+        unit: FloatArray = found / np.linalg.norm(found, axis=-1, keepdims=True)
+        return unit
+
+
+LIBRARY = 200
+
+
+def learn_image(
+    experience: MirrorExperience, organs: Organs, low: FloatArray, high: FloatArray, rest: FloatArray, seed: int
+) -> BodyImage:
+    """Body image of a mirror babble.
+
+    Args:
+        experience: what was felt and seen.
+        organs: what moves what.
+        low, high: (F,) ranges of the posture senses.
+        rest: (F,) posture of rest.
+        seed: which postures are remembered for choosing.
+
+    Raises:
+        BabblingError: less experience than there are harmonics to learn.
+    """
+    q, seen = experience.postures, experience.directions
+    flat = q.reshape(-1, q.shape[-1])
+    images = {}
+    for number, part in enumerate(experience.parts):
+        order = np.argsort(-organs.information[number], kind="stable")
+        joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
+        images[part] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2)
+    rng = np.random.default_rng([seed, 0x32])
+    library = flat[rng.choice(len(flat), min(LIBRARY, len(flat)), replace=False)]
+    doubt = np.stack([images[part].variance(library) for part in experience.parts], 1)
+    return BodyImage(organs, MappingProxyType(images), low, high, rest.copy(), library, doubt, experience.minutes)
+
+
+def _learned(part: str, q: FloatArray, seen: FloatArray, joints: IntArray, middle: FloatArray) -> PartImage:
+    """Sums over (T, B) moments, then the posterior mean of W with s^2 found by fixed-point iteration."""
+    size = 3 ** len(joints)
+    ticks = len(q) // AVERAGED * AVERAGED
+    if ticks // AVERAGED * q.shape[1] < 2 * size**0.5:
+        raise BabblingError(f"the {part} was seen too shortly to learn from; babble longer in front of the mirror")
+    gram, cross, square, count = np.zeros((size, size)), np.zeros((size, 3)), 0.0, 0
+    for start in range(0, ticks, 10 * AVERAGED):
+        block = slice(start, min(start + 10 * AVERAGED, ticks))
+        phi = _features(q[block].reshape(-1, q.shape[-1]), joints, middle[joints])
+        phi = phi.reshape(-1, AVERAGED, q.shape[1], size).mean(1).reshape(-1, size)
+        y = seen[block].reshape(-1, AVERAGED, q.shape[1], 3).mean(1).reshape(-1, 3)
+        gram += phi.T @ phi
+        cross += phi.T @ y
+        square += float((y * y).sum())
+        count += len(y)
+    variance = 1e-4
+    for _ in range(6):
+        factor = cho_factor(gram + (variance + 1e-12 * np.trace(gram) / size) * np.eye(size), lower=True)
+        weights = cho_solve(factor, cross)
+        misfit = square - 2 * float((weights * cross).sum()) + float((weights * (gram @ weights)).sum())
+        variance = max(misfit / (3 * count), LEAST_VARIANCE)
+    inverse = cho_solve(factor, np.eye(size))
+    noise = float(np.sqrt(variance * AVERAGED))
+    return PartImage(joints, middle[joints], weights.reshape(*(3,) * len(joints), 3), noise, inverse / AVERAGED)
+
+
+def _features(postures: FloatArray, joints: IntArray, centre: FloatArray) -> FloatArray:
+    """(N, 3^n) products of harmonics, the first joint's slowest."""
+    away = postures[:, joints] - centre
+    phi = np.ones((len(postures), 1))
+    for j in range(len(joints)):
+        one = np.stack([np.ones(len(away)), np.sin(away[:, j]), 1 - np.cos(away[:, j])], 1)
+        phi = (phi[:, :, None] * one[:, None, :]).reshape(len(away), -1)
+    return phi
+
+
+def _contracted(value: FloatArray, basis: FloatArray) -> FloatArray:
+    """Sum over the first harmonic axis: (1 or N, 3 R) with (N, 3) gives (N, R)."""
+    if len(value) == 1:
+        first: FloatArray = basis @ value.reshape(3, -1)
+        return first
+    parts = value.reshape(len(basis), 3, -1)
+    total: FloatArray = np.matmul(basis[:, None, :], parts)[:, 0]
+    return total

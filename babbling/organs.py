@@ -1,0 +1,121 @@
+"""Organ identification: which of one's senses and motors belongs to which part that is seen (chapter, section 2.2).
+
+After a single act one looks how far every part has turned. Counted over many acts this is a forward model without
+context, one factor per part:
+
+    P(amount turned of part p | motor m acted)          m = 0 .. F - 1, and F when nothing was moved
+
+The mutual information between "m acted, or nothing did" and the amount says whether m moves p at all: the sparse
+structure that makes a body of many joints tractable. Turned round by Eq. (1) the same table says which motor, and so
+which part, somebody else has just moved (`imitation.organ`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import Axis, FloatArray, IntArray
+from babbling.errors import BabblingError
+from babbling.forward_model import ForwardModel
+from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience
+
+EDGES_DEG = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
+"""Amounts between two of these fall into one category; half a logarithmic step is about what acts differ by anyway."""
+LABELS = tuple(f"{low:g}-{high:g} deg" for low, high in zip((0.0, *EDGES_DEG), (*EDGES_DEG, 180.0), strict=True))
+IMAGINED = 0.5
+"""Imagined visits of every category before any is seen (Jeffreys' prior), so that one odd act rules nothing out."""
+LEAST_BITS = 0.35
+"""Information from which a motor counts as moving a part; pure noise stays below 0.25 in a short babble, true movers lie above 0.5."""
+
+
+@dataclass(frozen=True)
+class Organs:
+    """What acts showed.
+
+    amounts: P(amount | motor or nothing), one factor per part. information: (P, F) bits.
+    """
+
+    amounts: ForwardModel
+    information: FloatArray
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """P names."""
+        return self.amounts.factors
+
+    @property
+    def moves(self) -> NDArray[np.bool_]:
+        """(P, F) whether factor f moves part p."""
+        moves: NDArray[np.bool_] = self.information >= LEAST_BITS
+        return moves
+
+    def likelihood(self) -> FloatArray:
+        """(P, F + 1, categories) P(amount | motor) with the imagined visits counted in."""
+        counts = self.amounts.counts / self.amounts.unit + IMAGINED
+        table: FloatArray = counts / counts.sum(-1, keepdims=True)
+        return table
+
+
+def categories(amounts: FloatArray) -> IntArray:
+    """Category of (...) radians turned."""
+    found: IntArray = np.searchsorted(np.deg2rad(EDGES_DEG), amounts, side="right").astype(np.int64)
+    return found
+
+
+def turned(before: FloatArray, after: FloatArray) -> FloatArray:
+    """(...) radians between the means of (N, ..., 3) directions seen before and after."""
+    first, second = before.mean(0), after.mean(0)
+    first = first / np.linalg.norm(first, axis=-1, keepdims=True)
+    second = second / np.linalg.norm(second, axis=-1, keepdims=True)
+    angle: FloatArray = 2 * np.arcsin(np.clip(np.linalg.norm(first - second, axis=-1) / 2, 0, 1))
+    return angle
+
+
+def find_organs(experience: MirrorExperience) -> Organs:
+    """Count what every act turned.
+
+    Raises:
+        BabblingError: no act was completed, or nothing ever moved a part.
+    """
+    if not len(experience.acts):
+        raise BabblingError("no single act was completed in front of the mirror; babble longer")
+    factors, tick = experience.postures.shape[-1], experience.tick_s
+    hold, act = round(HOLD_S / tick), round(ACT_S / tick)
+    seen = experience.directions
+    amounts = np.stack(
+        [
+            turned(seen[start - hold + 1 : start, copy], seen[start + act + 1 : start + act + hold, copy])
+            for copy, start, _ in experience.acts
+        ]
+    )
+    parts = len(experience.parts)
+    labels = (*(f"motor {f}" for f in range(factors)), "nothing")
+    model = ForwardModel(
+        (), Axis.categorical("motor", labels, parts), Axis.categorical("amount", LABELS, parts),
+        factors=experience.parts,
+    )  # fmt: skip
+    model.observe((), np.repeat(experience.acts[:, 2:], parts, axis=1), categories(amounts))
+    information = _information(model.counts / model.unit)
+    if (information.max(1) < LEAST_BITS).any():
+        part = experience.parts[int(np.argmax(information.max(1) < LEAST_BITS))]
+        raise BabblingError(f"no motor was seen to move the {part}: babble longer in front of the mirror")
+    return Organs(model, information)
+
+
+def _information(counts: FloatArray) -> FloatArray:
+    """(P, F) I(m acted or nothing did; amount), bits, both counted as equally likely; bias taken off (Miller 1955)."""
+    acted, still = counts[:, :-1], counts[:, -1:]
+    visits = np.maximum(np.minimum(acted.sum(-1), still.sum(-1)), 1)
+    p = np.stack(np.broadcast_arrays(_shares(acted), _shares(still)), -1) / 2
+    independent = p.sum(-1, keepdims=True) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bits = np.where(p > 0, p * np.log2(p / independent), 0).sum((-1, -2))
+    bias = (np.minimum(len(LABELS), 4) - 1) / (4 * visits * np.log(2))
+    information: FloatArray = np.maximum(bits - bias, 0)
+    return information
+
+
+def _shares(counts: FloatArray) -> FloatArray:
+    shares: FloatArray = counts / np.maximum(counts.sum(-1, keepdims=True), 1)
+    return shares

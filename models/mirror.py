@@ -1,0 +1,76 @@
+"""A mirror: where one's own body parts are seen to point, in one's own torso's frame.
+
+The mirror belongs to the world. It shows a direction per part and nothing else: no joint, no length, no name of a
+motor. Whoever looks has to find out by moving which sense goes with which part.
+"""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.body import SimulatedBody
+from models.errors import BodyError
+from models.hoap2.limbs import LIMBS
+from models.teachers.performance import PARTS, unit
+
+Array = NDArray[np.float64]
+TORSO = "torso"
+
+
+class Mirror:
+    """Shows every copy of a HOAP-2 its own limb directions.
+
+    Args:
+        body: who looks; its joints must be HOAP-2's.
+        noise: standard deviation of what is seen, rad in each direction across the line of sight (see `blurred`).
+        seed: randomness of that noise.
+
+    Raises:
+        BodyError: a body without these limbs; the first joint that it lacks is named.
+    """
+
+    def __init__(self, body: SimulatedBody, noise: float = 0.0, seed: int = 0) -> None:
+        segments = {segment.part: segment for limb in LIMBS.values() for segment in limb.segments}
+        self.parts = tuple(part for part in PARTS if part in segments)
+        self.noise = noise
+        self._body, self._data = body, mujoco.MjData(body.model)
+        self._rng = np.random.default_rng([seed, 0x3177])
+        bodies = {body.model.body(i).name: i for i in range(body.model.nbody)}
+        for part in self.parts:
+            if segments[part].joint not in body.joints or TORSO not in bodies:
+                raise BodyError(
+                    f"{body.name}: a mirror shows hoap2 only; this body has no joint {segments[part].joint!r} that "
+                    f"moves a {part}"
+                )
+        self._torso = bodies[TORSO]
+        self._carriers = [int(body.model.joint(segments[part].joint).bodyid[0]) for part in self.parts]
+        self._axes = np.array([segments[part].axis for part in self.parts], dtype=float)
+
+    def look(self) -> Array:
+        """(B, P, 3) unit vectors of all parts of all copies as they stand now, with noise."""
+        return blurred(self._shown(np.asarray(self._body.batch.qpos)), self.noise, self._rng)
+
+    def shown(self, angles: Array) -> Array:
+        """(T, P, 3) true directions at (T, J) joint angles, for those who judge."""
+        return self._shown(self._body.configurations(angles))
+
+    def _shown(self, configurations: Array) -> Array:
+        data, found = self._data, np.empty((len(configurations), len(self.parts), 3))
+        for row, configuration in enumerate(configurations):
+            data.qpos[:] = configuration
+            mujoco.mj_kinematics(self._body.model, data)
+            turns = data.xmat.reshape(-1, 3, 3)
+            pointing = np.einsum("pij,pj->pi", turns[self._carriers], self._axes)
+            found[row] = pointing @ turns[self._torso]
+        return found
+
+
+def blurred(directions: Array, noise: float, rng: np.random.Generator) -> Array:
+    """The same (..., 3) unit vectors seen with noise: unit(d + e), e ~ N(0, noise^2 I).
+
+    Across the line of sight that is `noise` radians along either axis, so the mean angle off is sqrt(pi / 2) noise
+    (3.8 degrees for 3). No noise gives the very same numbers.
+    """
+    if noise <= 0:
+        return np.array(directions, dtype=float)
+    return unit(directions + noise * rng.standard_normal(np.shape(directions)))
