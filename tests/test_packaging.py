@@ -38,12 +38,12 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def files(*folders: str) -> set[str]:
-    """Every source and data file below these folders of the checkout."""
+    """Every source and data file below these folders of the checkout; the README's pictures stay with the repository."""
     return {
         path.relative_to(ROOT).as_posix()
         for folder in folders
         for path in (ROOT / folder).rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".png"
     }
 
 
