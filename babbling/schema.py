@@ -98,7 +98,7 @@ def find_schema(
     if len(rows) < m.shape[1]:
         raise BabblingError(f"{m.shape[1]} motors but only {s.shape[1]} senses: each motor needs a sense that it moves")
     # how much another copy's motors seem to tell by chance: smooth movements are far fewer samples than ticks
-    by_chance = [mutual_information(other.reshape(m.shape), s).max() for other in _others(motors)]
+    by_chance = [mutual_information(other.reshape(m.shape), s).max() for other in _others(motors, s.shape[1])]
     chance = max(LEAST_BITS, 1.1 * float(max(by_chance)))
     weak = information[rows, posture] < chance
     if weak.any():
@@ -122,11 +122,15 @@ def find_schema(
     return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
 
 
-def _others(motors: FloatArray) -> list[FloatArray]:
-    """(T, B, M) commands of other copies, which cannot have moved these senses; one copy alone: of another time."""
-    if motors.shape[1] == 1:
+def _others(motors: FloatArray, senses: int) -> list[FloatArray]:
+    """(T, B, M) commands of other copies, which cannot have moved these senses; one copy alone: of another time.
+
+    As many as give a few hundred pairs of strangers, to know how far chance goes.
+    """
+    copies, pairs = motors.shape[1], motors.shape[2] * senses
+    if copies == 1:
         return [np.roll(motors, len(motors) // 2, axis=0)]
-    return [np.roll(motors, shift, axis=1) for shift in range(1, min(motors.shape[1], 4))]
+    return [np.roll(motors, shift, axis=1) for shift in range(1, min(copies, 2 + 300 // pairs))]
 
 
 def resolution(senses: FloatArray) -> FloatArray:
