@@ -44,7 +44,7 @@ BLOCK = 8
 UNSEEN_STEPS = 85
 """Length of the chapter's unseen walk."""
 UNSEEN_GOAL = 1
-MOST_STEPS, MOST_DEMONSTRATIONS = 10_000_000, 1000
+MOST_STEPS, MOST_DEMONSTRATIONS, MOST_STUDIED_CELLS = 10_000_000, 1000, 2500
 
 
 @dataclass(frozen=True)
@@ -150,6 +150,10 @@ def _check(config: Config, maze: Maze) -> FloatArray:
         raise ExperimentError(f"--wander-steps {config.wander_steps}: 0 to {MOST_STEPS} steps are possible")
     if not 1 <= config.demonstrations <= MOST_DEMONSTRATIONS:
         raise ExperimentError(f"--demonstrations {config.demonstrations}: 1 to {MOST_DEMONSTRATIONS} are possible")
+    if config.study and maze.cells > MOST_STUDIED_CELLS:
+        raise ExperimentError(
+            f"--study: a maze of {maze.cells} cells; hundreds of learners fit into at most {MOST_STUDIED_CELLS}"
+        )
     if config.memory is not None and config.watch is not None:
         raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
     goal_place(maze, config.goal)

@@ -103,7 +103,9 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     metrics |= _intent(observers, smoothing, lambda done: report(0.18 + 0.07 * done))
     trials, curves = _trials(maze, seed, demonstrations, lambda done: report(0.25 + 0.75 * done))
     metrics |= trials
-    figures = {"learning_curve_study": learning_curve(curve), "trials": trials_figure(curves, RELIABLE)}
+    figures = {"trials": trials_figure(curves, RELIABLE)}
+    if curve.steps:
+        figures["learning_curve_study"] = learning_curve(curve)
     return Study(metrics, figures, _summary(metrics))
 
 
@@ -292,14 +294,14 @@ def _summary(metrics: dict[str, Any]) -> str:
     def both(name: str) -> str:
         return "; ".join(f"{s} " + " / ".join(f"{v:.2f}" for v in goals.values()) for s, goals in metrics[name].items())
 
-    entropy = metrics["junction_entropy_bits"]
+    entropy, slope = metrics["junction_entropy_bits"], metrics["forward_model_tv_slope"]
     losses = [metrics[f"intent_{rule}_log_loss"] for rule in ("filter", "step", "filter_plain")]
     table = {
         f"total variation of learned rows at {' / '.join(metrics['forward_model_tv'])} steps": of(
             "forward_model_tv", "{:.4f}"
         ),
         "multinomial bound": of("forward_model_tv_bound", "{:.4f}"),
-        "slope against counted visits": f"{metrics['forward_model_tv_slope']:.3f}",
+        "slope against counted visits": "-" if slope is None else f"{slope:.3f}",
         f"imitation succeeds, {metrics['imitation_seeds']} seeds": both("imitation_success"),
         "steps / teacher's steps": both("step_ratio"),
         "the same without the learned prior": both("step_ratio_without_prior"),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
+from experiments.experiment import as_json
 from experiments.maze import Config, run
 from experiments.maze_benchmark import rows
 from experiments.maze_learning import CHECKPOINTS, expected_distance, outings, walkers
@@ -21,7 +22,7 @@ from experiments.maze_planners import (
     steps_to_go,
     wanderers,
 )
-from experiments.maze_study import Imitators, reliable_from
+from experiments.maze_study import IMITATION_BUDGETS, Imitators, reliable_from, study
 from imitation.deferred import load_memory
 from imitation.priors import ActionPriors
 from models.maze import TRUE_DYNAMICS, MazeBody, default_maze, parse_maze
@@ -139,6 +140,7 @@ REFUSALS = {
     "demonstrations": (["--demonstrations", "0"], "1 to 1000 are possible"),
     "smoothing": (["--smoothing", "-0.1"], "pseudo-counts must be at least 0"),
     "smoothing nan": (["--smoothing", "nan"], "pseudo-counts must be at least 0"),
+    "study": (["--maze", "wide.txt", "--study"], "a maze of 2600 cells; hundreds of learners fit into at most 2500"),
     "seed": (["--seed", "-1"], "seeds are whole numbers from 0"),
     "memory": (["--memory", "tiny.txt"], "not a memory"),
     "both": (["--memory", "a", "--watch", "b"], "give one of them"),
@@ -154,6 +156,8 @@ def test_what_cannot_be_meant_is_refused_in_one_line(case, tmp_path, monkeypatch
     Path("unequal.txt").write_text(TINY.replace("|    2       3 |", "|    2      3 |"))
     Path("strange.txt").write_text(TINY.replace("| *          1 |", "| *   %      1 |"))
     Path("large.txt").write_text("+" + "--+" * 201 + "\n| *" + "   " * 199 + "  1|\n+" + "--+" * 201)
+    rows = "|" + "   " * 199 + "  |\n+" + "  +" * 200 + "\n"
+    Path("wide.txt").write_text("+" + "--+" * 200 + "\n" + rows * 12 + "| *" + "   " * 198 + "  1|\n+" + "--+" * 200)
     Path("wall.csv").write_text(head + "1,2,0,1,1,E\n1,2,1,2,1,N\n1,2,2,2,2,\n")
     Path("one.csv").write_text(head + "1,1,0,1,1,E\n1,1,1,2,1,E\n1,1,2,3,1,E\n1,1,3,4,1,E\n1,1,4,5,1,\n")
     words, told = REFUSALS[case]
@@ -277,3 +281,26 @@ def test_benchmark_rows_agree_with_bare_numpy(monkeypatch):
     found = rows()
     assert {row.question for row in found} == {"learn", "action posterior"}
     assert all(row.largest_difference < 1e-12 for row in found)
+
+
+@pytest.mark.parametrize("text", [TINY, "+--+--+--+\n| *     1|\n+--+--+--+\n"], ids=["room", "corridor"])
+def test_a_small_study_measures_every_claim(text, monkeypatch):
+    small = {"CURVE_STEPS": 600, "CURVE_WALKERS": 5, "SEEDS": 4, "WALKS": 3, "LEARNERS": 4}
+    budgets = {"WANDER_BUDGETS": IMITATION_BUDGETS, "Q_BUDGETS": (300, 600), "REPLAN_BUDGETS": (300, 350)}
+    for name, value in {**small, **budgets}.items():
+        monkeypatch.setattr(f"experiments.maze_study.{name}", value)
+    maze, told = parse_maze(text), []
+    found = study(maze, 0, 2, 100, 0.1, told.append)
+    per_goal = {str(goal + 1) for goal in range(len(maze.goals))}
+    for name in ("imitation_success", "step_ratio", "uninformed_steps"):
+        assert {selection: set(goals) for selection, goals in found.metrics[name].items()} == {
+            "map": per_goal,
+            "matching": per_goal,
+        }
+    for name in ("trials_imitation", "trials_value_iteration", "trials_q_learning"):
+        assert set(found.metrics[name]) == per_goal
+    assert set(found.metrics["forward_model_tv"]) == set(found.metrics["forward_model_tv_bound"])
+    for rule in ("filter", "step"):
+        assert 0 <= found.metrics[f"intent_{rule}_accuracy"] <= 1 and found.metrics[f"intent_{rule}_log_loss"] >= 0
+    assert "NaN" not in as_json(found.metrics) and "trials" in found.figures
+    assert sorted(told) == told and told[-1] == pytest.approx(1.0)
