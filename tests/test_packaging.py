@@ -38,7 +38,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def files(*folders: str) -> set[str]:
-    """Every source and data file below these folders of the checkout; the README's pictures stay with the repository."""
+    """Every source and data file below these folders; pictures stay with the repository."""
     return {
         path.relative_to(ROOT).as_posix()
         for folder in folders
