@@ -274,18 +274,21 @@ class Sight:
     def __init__(self, reading: Looking, forward_model: ForwardModel) -> None:
         self.reading, self.forward_model = reading, forward_model
 
-    def expect(self, things: FloatArray, posture: FloatArray, change: FloatArray) -> FloatArray:
+    def expect(
+        self, things: FloatArray, posture: FloatArray, change: FloatArray, *, table: bool = True
+    ) -> FloatArray:
         """(..., C) where things (..., C) will be after a saccade of both motors from (..., 2) by (..., 2), pixels.
 
-        Chained: motor 0 at the present posture of motor 1, then motor 1 at the new posture of motor 0.
+        Chained: motor 0 at the present posture of motor 1, then motor 1 at the new posture of motor 0. Without `table`
+        the efference copy alone: the least-squares peer.
         """
         coordinates = self.reading.retina.coordinates
         here, place = np.asarray(things, float), np.asarray(posture, float).copy()
         for motor in range(2):
             context, action = self.reading.situate(here, place, np.asarray(change, float))
-            moved = self.reading.straight(context, action) + self.forward_model.expected(
-                tuple(np.nan_to_num(c) for c in context), action
-            )
+            moved = self.reading.straight(context, action)
+            if table:
+                moved = moved + self.forward_model.expected(tuple(np.nan_to_num(c) for c in context), action)
             mine = moved[..., motor * coordinates : (motor + 1) * coordinates]
             here = here + np.where(np.abs(change[..., motor, None]) > 0, mine, 0.0)
             place[..., motor] += change[..., motor]

@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 TOYS = tuple(COLOURS)
 """Toys hang about the head, one of each colour."""
 TOY_RADIUS = 0.03
+LEAST_TOY = 10.0
+"""Square pixels at 160 x 120, a fifth of what a toy covers; less of it is no toy."""
 TOY_DISTANCE = (0.9, 1.1)
 """m: about an arm's length of an adult; a much nearer toy would move otherwise (parallax)."""
 TOY_BEARING, TOY_ELEVATION = 0.85, (-0.60, 0.50)
@@ -89,7 +91,7 @@ def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
     body = SeeingBody(
         model,
         options.robot,
-        Finder(TOYS),
+        Finder(TOYS, LEAST_TOY * (options.height / 120) ** 2),
         len(TOYS),
         retina=options.retina,
         renderer=options.renderer,

@@ -23,6 +23,8 @@ class Entry:
 EXPERIMENTS: dict[str, Entry] = {
     "gesture": Entry("gesture", "HOAP-2 babbles, watches a movement and reproduces it by Bayesian action selection"),
     "babble": Entry("babble", "a robot babbles and leaves its forward model in a file; interrupted, it goes on"),
+    "saccades": Entry("saccades", "a head looks about, learns what its movements do to what it sees, and fixates"),
+    "head": Entry("head", "a head watches another nod, shake and look around, and does the same, at once or later"),
     "maze": Entry("maze", "the chapter's maze: wander, watch, imitate, infer intent, with its figures and its claims"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }
