@@ -1,0 +1,174 @@
+"""The match-to-target loop end to end on a small robot, and Eq. (1) as an inverse model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from babbling.axes import Axis
+from babbling.errors import BabblingError
+from babbling.forward_model import ForwardModel
+from babbling.mind import learn
+from imitation.bayes import action_posterior
+from imitation.errors import ImitationError
+from imitation.inverse import BayesianInverse, LinearInverse
+from imitation.loop import imitate
+from imitation.movement import Movement
+from imitation.rehearsal import EAGERNESS, HABIT, made_up_movement, rehearse
+from models.loading import load_body
+from models.motion import read_motion
+
+
+def seen(body, wave):
+    """The movement as it reads on this body's lines, and its true angles."""
+    angles = read_motion(wave).reordered(body.joints).resampled(body.tick_s).angles
+    return Movement("wave", body.tick_s, body.sensations(angles)), angles
+
+
+class Angles:
+    def __init__(self, body):
+        self.body = body
+
+    def read(self):
+        return self.body.joint_angles
+
+
+def performed(body, mind, wave, **how):
+    movement, angles = seen(body, wave)
+    how = {"rng": np.random.default_rng(0), "witness": Angles(body), **how}
+    attempts = imitate(body, movement, mind, **how)
+    return attempts, [np.rad2deg(np.sqrt(np.mean((a.truth[:, 0] - angles) ** 2))) for a in attempts]
+
+
+def test_each_choice_is_eq_1_by_brute_force():
+    rng = np.random.default_rng(0)
+    low = np.array([-1.0, -2.0])
+    axes = [Axis(name, "rad", low, -low, size) for name, size in (("v", 3), ("a", 9), ("w", 11))]
+    model = ForwardModel(axes[:1], axes[1], axes[2], factors=("0", "1"), prior_strength=1.0)
+    v, a = rng.uniform(-1, 1, (2, 500, 2)) * -low
+    model.observe([v], a, np.clip(0.5 * a + 0.1 * v + 0.1 * rng.standard_normal(a.shape), low, -low))
+    context, wanted = axes[0].points[:, 1][None], axes[2].points[:, 7][None]
+    choice = BayesianInverse(model, "mean", habit=1.0).choose(context, wanted, rng)
+    table = model.counts / model.unit + model.prior()
+    for f in range(2):
+        likelihood = np.array([table[f, 1, i, 7] / table[f, 1, i].sum() for i in range(9)])
+        habit = model.habits()[f, 1]
+        joint = [likelihood[i] * habit[i] for i in range(9)]
+        np.testing.assert_allclose(choice.posterior.probability[0, f], np.array(joint) / sum(joint), atol=1e-12)
+        mean = sum(p * x for p, x in zip(joint, axes[1].points[f], strict=True)) / sum(joint)
+        assert choice.action[0, f] == pytest.approx(mean, abs=1e-12)
+    # no habit is the uniform prior; a prior given replaces it
+    plain = BayesianInverse(model, "mean", habit=0.0).choose(context, wanted, rng).posterior
+    uniform = action_posterior(model.likelihood((context,), wanted))
+    np.testing.assert_allclose(plain.probability, uniform.probability, atol=1e-12)
+    sure = np.zeros((2, 9))
+    sure[:, 4] = 1
+    assert BayesianInverse(model, prior=sure).choose(context, wanted, rng).action == pytest.approx(np.zeros((1, 2)))
+
+
+def test_where_nothing_is_known_the_line_acts_and_is_counted():
+    axis = [Axis(name, "rad", np.array([-1.0]), np.array([1.0]), 9) for name in "vaw"]
+    model = ForwardModel(axis[:1], axis[1], axis[2], prior_strength=5.0)
+    rng = np.random.default_rng(0)
+    a = rng.uniform(-1, 1, (300, 1))
+    model.observe([np.zeros((300, 1))], a, 0.5 * a)
+    wanted = np.array([[0.2], [7.0]])  # 7: off the axis
+    choice = BayesianInverse(model).choose(np.zeros((2, 1)), wanted, rng)
+    assert choice.uninformed.tolist() == [[False], [True]]
+    assert choice.action[1, 0] == pytest.approx(
+        LinearInverse(model).choose(np.zeros((1, 1)), wanted[1:], rng).action[0, 0]
+    )
+    assert choice.action[1, 0] == pytest.approx(14, rel=0.01)
+
+
+def test_the_arm_does_what_it_saw(arm, arm_mind, wave):
+    body = load_body(arm)
+    attempts, errors = performed(body, arm_mind, wave, attempts=4)
+    assert errors[0] < 0.2
+    assert min(errors) < 0.5 * errors[0] or min(errors) < 0.01
+    assert errors[-1] < 1.5 * min(errors)
+    first = attempts[0]
+    assert first.selections == 100 * 3 and first.uninformed == 0
+    np.testing.assert_allclose(first.posterior.sum(-1), 1, atol=1e-5)
+    assert (first.entropy >= 0).all() and (first.evidence > 0).all()
+    # what it believes of its posture is where it is
+    assert np.rad2deg(np.abs(first.believed[:, 0, :, 0] - first.truth[:, 0]).max()) < 0.1
+
+
+@pytest.mark.parametrize("selection", ["mean", "map", "matching"])
+def test_the_same_seed_does_the_same_at_any_thread_count(arm, arm_mind, wave, selection):
+    once, again = (
+        performed(load_body(arm, threads=threads), arm_mind, wave, selection=selection)[0][0] for threads in (1, 2)
+    )
+    for name in ("senses", "believed", "commands", "truth", "posterior"):
+        assert getattr(once, name).tobytes() == getattr(again, name).tobytes(), name
+
+
+def test_map_is_nearly_as_good_as_the_mean(arm, arm_mind, wave):
+    errors = {rule: performed(load_body(arm), arm_mind, wave, selection=rule)[1][0] for rule in ("mean", "map")}
+    assert errors["map"] < 2 * errors["mean"]
+
+
+@pytest.mark.parametrize("scramble", [1, 2])
+def test_behind_an_unknown_wiring_it_works_as_well_as_before(arm, arm_mind, wave, scramble):
+    body = load_body(arm, copies=16, scramble=scramble)
+    mind = learn(body, minutes=1, seed=0)
+    labels = [body.sense_labels[line] for line in mind.pilot.schema.posture]
+    rates = [body.sense_labels[line] for line in mind.pilot.schema.rate]
+    assert labels == list(body.motor_labels)
+    assert rates == [f"{label} speed" for label in labels]
+    straight = performed(load_body(arm), arm_mind, wave)[1][0]
+    crossed = performed(load_body(arm, scramble=scramble), mind, wave)[1][0]
+    assert crossed <= 1.2 * straight
+
+
+def test_noise_is_weighed_by_what_it_was_at_rest(arm, wave):
+    """The believed posture is nearer the truth than the senses are, and than one who believes the senses as they are."""
+    noise = np.deg2rad(0.2)
+    mind = learn(load_body(arm, copies=16, noise=noise), minutes=1, seed=0)
+    schema = mind.pilot.schema
+    np.testing.assert_allclose(schema.noise, noise, rtol=0.1)
+    np.testing.assert_allclose(schema.rate_noise, np.sqrt(2) * noise / 0.02, rtol=0.1)
+    trusting = replace(schema, noise=schema.noise / 100, rate_noise=schema.rate_noise / 100)
+    gullible = replace(mind, pilot=replace(mind.pilot, schema=trusting))
+    missed = []
+    for believer in (mind, gullible):
+        attempt = performed(load_body(arm, noise=noise, seed=3), believer, wave)[0][0]
+        missed.append(np.sqrt(np.mean((attempt.believed[:, 0, :, 0] - attempt.truth[:, 0]) ** 2)))
+    assert missed[0] < 0.9 * noise and missed[0] < 0.9 * missed[1]
+
+
+def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind, monkeypatch):
+    monkeypatch.setattr(made_up_movement, "__defaults__", (1.0,))
+    asked = []
+
+    def make(copies):
+        asked.append(copies)
+        return load_body(arm, copies=copies)
+
+    mind = rehearse(make, arm_mind, seed=0)
+    assert asked == [len(EAGERNESS)]
+    assert set(mind.temper.eagerness) <= set(EAGERNESS) and set(mind.temper.habit) <= set(HABIT)
+    assert mind.forward_model is arm_mind.forward_model
+
+
+def test_what_is_made_up_stays_within_what_was_babbled(arm, arm_mind):
+    body = load_body(arm)
+    movement = made_up_movement(body, arm_mind, np.random.default_rng(0))
+    postures = movement.postures(arm_mind.pilot.schema)
+    low, high = body.sense_low[arm_mind.pilot.schema.posture], body.sense_high[arm_mind.pilot.schema.posture]
+    assert (postures >= low).all() and (postures <= high).all()
+    speed = np.abs(np.diff(postures, axis=0)).max(0) / body.tick_s
+    assert (speed <= 0.5 * body.sense_high[arm_mind.pilot.schema.rate] * 1.001).all()
+
+
+def test_what_cannot_be_imitated(arm, arm_mind, wave):
+    body = load_body(arm)
+    movement, _ = seen(body, wave)
+    rng = np.random.default_rng(0)
+    with pytest.raises(ImitationError, match="0 attempts: at least 1"):
+        imitate(body, movement, arm_mind, attempts=0, rng=rng)
+    with pytest.raises(ImitationError, match=r"wave has ticks of 0\.01 s, the body of 0\.02 s"):
+        imitate(body, Movement("wave", 0.01, movement.senses), arm_mind, rng=rng)
+    with pytest.raises(BabblingError, match="another body"):
+        imitate(load_body(arm, scramble=1), movement, arm_mind, rng=rng)

@@ -1,0 +1,124 @@
+"""Movements and the way into them; the memory of attempts; the temper that rehearsal finds."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from babbling.axes import FloatArray
+from babbling.schema import BodySchema
+from imitation.errors import ImitationError
+from imitation.memory import Memory
+from imitation.movement import APPROACH_S, RUN_UP_S, Movement, approach
+from imitation.rehearsal import CALM, calmest
+
+TICK = 0.02
+seeds = st.integers(0, 2**32 - 1)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds)
+def test_the_approach_starts_at_rest_and_arrives_with_the_movements_pace(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    start = rng.uniform(-1, 1, 3)
+    t = np.arange(8)[:, None] * TICK
+    c = rng.uniform(-1, 1, (3, 3)) * [[1], [2], [5]]
+    goals = c[0] + c[1] * t + c[2] * t**2  # a parabola: its differences are its derivatives
+    way = approach(start, goals, TICK)
+    assert len(way) == round(APPROACH_S / TICK) + round(RUN_UP_S / TICK)
+    np.testing.assert_allclose(way[0], start, atol=1e-12)
+    assert np.abs(way[1] - way[0]).max() < 1e-3  # from rest: r^3
+    whole = np.concatenate([way, goals])
+    n = len(way)
+    pace = (whole[n] - whole[n - 2]) / (2 * TICK) + 0 * goals[0]
+    np.testing.assert_allclose(
+        (whole[n] - whole[n - 1]) / TICK, c[1] - c[2] * TICK, atol=0.05 + 0.05 * np.abs(c[1]).max()
+    )
+    assert np.abs(pace).max() < 10
+    jumps = np.abs(np.diff(whole, n=2, axis=0)) / TICK**2
+    assert jumps[n - 3 : n + 1].max() < 2.5 * np.abs(2 * c[2]).max() + 8 * np.abs(c[1]).max() + 1
+
+
+def test_an_approach_to_a_still_movement_is_one_minimum_jerk() -> None:
+    goals = np.tile([0.4, -0.2], (5, 1))
+    way = approach(np.zeros(2), goals, TICK)
+    r = np.arange(round(APPROACH_S / TICK))[:, None] * TICK / APPROACH_S
+    np.testing.assert_allclose(way[: len(r)], goals[0] * r**3 * (10 - 15 * r + 6 * r * r), atol=1e-12)
+    np.testing.assert_allclose(way[len(r) :], np.tile(goals[0], (len(way) - len(r), 1)), atol=1e-12)
+
+
+def schema(postures: list[int]) -> BodySchema:
+    one = np.ones(len(postures))
+    return BodySchema(np.array(postures), np.array(postures), one, one, one, one, np.zeros((len(postures), 4)))
+
+
+def test_a_movement_is_read_by_the_schema_and_what_is_unseen_is_named() -> None:
+    senses = np.arange(12.0).reshape(3, 4)
+    senses[:, 1] = np.nan
+    movement = Movement("nod", TICK, senses)
+    np.testing.assert_array_equal(movement.postures(schema([2, 0])), senses[:, [2, 0]])
+    with pytest.raises(ImitationError, match="nod: nothing was seen for the posture that motor 1 moves"):
+        movement.postures(schema([2, 1]))
+    with pytest.raises(ValueError, match="read-only"):
+        movement.senses[0] = 0
+    senses[:] = 0
+    assert movement.senses[2, 3] == 11
+    with pytest.raises(ImitationError, match="2 frames; a movement needs at least 3"):
+        Movement("nod", TICK, np.zeros((2, 4)))
+
+
+def plant(aim: FloatArray, goals: FloatArray, gain: float, lag: float) -> FloatArray:
+    """(T, 1, F) reached when aiming beside goals: a first-order lag with a wrong gain."""
+    reached = np.zeros_like(aim)
+    y = goals[0]
+    for t in range(len(goals)):
+        y = lag * y + (1 - lag) * gain * (goals[t] + aim[t, 0])
+        reached[t, 0] = y
+    return reached
+
+
+@pytest.mark.parametrize(("gain", "lag"), [(0.8, 0.3), (1.2, 0.2), (0.9, 0.6)])
+def test_attempts_come_nearer_and_memory_is_never_worse_than_the_best(gain: float, lag: float) -> None:
+    t = np.arange(150)[:, None] * TICK
+    goals = np.concatenate([0.5 * np.sin(3 * t) + 0.5, np.cos(2 * t)], 1)
+    memory, sizes = Memory.empty(150, 1, 2), []
+    for _ in range(8):
+        error = goals[:, None] - plant(memory.aim, goals, gain, lag)
+        sizes.append(np.sqrt(np.mean(error**2, axis=0)))
+        memory = memory.after(error)
+        np.testing.assert_allclose(memory.size, np.min(sizes, axis=0))
+    assert (memory.size < 0.25 * sizes[0]).all()
+
+
+def test_an_attempt_that_was_worse_is_not_built_upon() -> None:
+    rng = np.random.default_rng(0)
+    good, bad = 0.1 * rng.standard_normal((20, 1, 2)), rng.standard_normal((20, 1, 2))
+    first = Memory.empty(20, 1, 2).after(good)
+    second = first.after(bad)
+    np.testing.assert_array_equal(second.best_aim, first.best_aim)
+    np.testing.assert_array_equal(second.best_error, good)
+    np.testing.assert_allclose(second.aim, first.aim / 2)  # from aim 0: half the share of the same error
+    np.testing.assert_array_equal(second.share, first.share / 2)
+
+
+def test_factors_and_copies_remember_apart() -> None:
+    rng = np.random.default_rng(1)
+    errors = rng.standard_normal((3, 15, 2, 3))
+    whole = Memory.empty(15, 2, 3)
+    for error in errors:
+        whole = whole.after(error)
+    alone = Memory.empty(15, 1, 1)
+    for error in errors:
+        alone = alone.after(error[:, 1:, 2:])
+    np.testing.assert_array_equal(alone.aim[:, 0, 0], whole.aim[:, 1, 2])
+
+
+@given(seeds)
+def test_the_calmest_within_fifteen_percent_is_kept(seed: int) -> None:
+    errors = np.random.default_rng(seed).uniform(0.5, 2, (6, 5))
+    chosen = calmest(errors)
+    assert CALM == 1.15
+    for f in range(5):
+        best = errors[:, f].min()
+        assert errors[chosen[f], f] <= 1.15 * best
+        assert (errors[: chosen[f], f] > 1.15 * best).all()
