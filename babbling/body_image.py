@@ -34,15 +34,13 @@ LEAST_VARIANCE = 1e-9
 
 @dataclass(frozen=True)
 class PartImage:
-    """One part: its senses (ascending), their middles, W, the seeing noise s (rad per axis) and A^-1."""
+    """One part: its senses (ascending), their middles, W, and the seeing noise s, rad per axis."""
 
     joints: IntArray
     centre: FloatArray
     weights: FloatArray
     """(3, 3, ..., 3) one axis of harmonics per joint, coordinates last."""
     noise: float
-    inverse: FloatArray
-    """(3^n, 3^n) A^-1."""
 
     def expected(self, postures: FloatArray) -> FloatArray:
         """(N, 3) E[direction | posture] at (N, F) postures; not quite unit vectors."""
@@ -64,12 +62,6 @@ class PartImage:
             if joint in values:
                 slope[:, :, place] = values[joint]
         return values[-1], slope
-
-    def variance(self, postures: FloatArray) -> FloatArray:
-        """(N,) variance of a seen direction along each axis, rad^2: noise, and what is not known yet."""
-        phi = _features(postures, self.joints, self.centre)
-        unknown: FloatArray = np.einsum("nk,kl,nl->n", phi, self.inverse, phi, optimize=True)
-        return self.noise**2 * (1 + unknown)
 
     def _harmonics(self, postures: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
         """Per joint, (N, 3) harmonics and their derivative."""
@@ -97,7 +89,7 @@ class BodyImage:
     library: FloatArray
     """(K, F) postures that were babbled, to choose from: the discrete actions of Eq. (1)."""
     doubt: FloatArray
-    """(K, P) variance of each part's direction in these postures, rad^2 (`PartImage.variance`)."""
+    """(K, P) variance of each part's direction in these postures, rad^2: noise, and what is not known yet."""
     minutes: float
     """Body time in front of the mirror."""
 
@@ -133,19 +125,21 @@ def learn_image(
     """
     q, seen = experience.postures, experience.directions
     flat = q.reshape(-1, q.shape[-1])
-    images = {}
+    rng = np.random.default_rng([seed, 0x32])
+    library = flat[rng.choice(len(flat), min(LIBRARY, len(flat)), replace=False)]
+    images: dict[str, PartImage] = {}
+    doubt = np.empty((len(library), len(experience.parts)))
     for number, part in enumerate(experience.parts):
         order = np.argsort(-organs.information[number], kind="stable")
         joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
-        images[part] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2)
-    rng = np.random.default_rng([seed, 0x32])
-    library = flat[rng.choice(len(flat), min(LIBRARY, len(flat)), replace=False)]
-    doubt = np.stack([images[part].variance(library) for part in experience.parts], 1)
+        images[part], doubt[:, number] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2, library)
     return BodyImage(organs, MappingProxyType(images), low, high, rest.copy(), library, doubt, experience.minutes)
 
 
-def _learned(part: str, q: FloatArray, seen: FloatArray, joints: IntArray, middle: FloatArray) -> PartImage:
-    """Sums over (T, B) moments, then the posterior mean of W with s^2 found by fixed-point iteration."""
+def _learned(
+    part: str, q: FloatArray, seen: FloatArray, joints: IntArray, middle: FloatArray, library: FloatArray
+) -> tuple[PartImage, FloatArray]:
+    """Sums over (T, B) moments, then the posterior mean of W with s^2 found by iteration; and (K,) doubt."""
     size = 3 ** len(joints)
     ticks = len(q) // AVERAGED * AVERAGED
     if ticks // AVERAGED * q.shape[1] < 2 * size**0.5:
@@ -166,9 +160,11 @@ def _learned(part: str, q: FloatArray, seen: FloatArray, joints: IntArray, middl
         weights = cho_solve(factor, cross)
         misfit = square - 2 * float((weights * cross).sum()) + float((weights * (gram @ weights)).sum())
         variance = max(misfit / (3 * count), LEAST_VARIANCE)
-    inverse = cho_solve(factor, np.eye(size))
     noise = float(np.sqrt(variance * AVERAGED))
-    return PartImage(joints, middle[joints], weights.reshape(*(3,) * len(joints), 3), noise, inverse / AVERAGED)
+    phi = _features(library, joints, middle[joints])
+    unknown = np.einsum("kl,lk->k", phi, cho_solve(factor, phi.T)) / AVERAGED
+    image = PartImage(joints, middle[joints], weights.reshape(*(3,) * len(joints), 3), noise)
+    return image, noise**2 * (1 + unknown)
 
 
 def _features(postures: FloatArray, joints: IntArray, centre: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ things seem to move when they do not.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +28,8 @@ SHORTEST_ACT = 0.3
 """An act goes at least this share of its motor's range, where its speed allows."""
 HASTE = 0.9
 """Share of a motor's greatest speed that is used."""
+ENDS = 0.045
+"""Share by which the useful range of the motors is widened at either end: a straight knee is at its stop."""
 CYCLE_S = LEAP_S + HOLD_S + ACTS * (ACT_S + HOLD_S)
 
 
@@ -59,7 +61,7 @@ class MirrorExperience:
     @property
     def minutes(self) -> float:
         """Body time."""
-        return self.postures.shape[0] * self.postures.shape[1] * self.tick_s / 60
+        return float(self.postures.shape[0] * self.postures.shape[1] * self.tick_s / 60)
 
     def first(self, minutes: float) -> "MirrorExperience":
         """The same babble broken off after so many body-minutes (at least one whole cycle)."""
@@ -90,6 +92,9 @@ def mirror_babble(
             "and the acts after it"
         )
     ticks = round(minutes * 60 / body.tick_s / body.copies)
+    wider = ENDS * (motors.high - motors.low)
+    low, high = np.maximum(motors.low - wider, body.motor_low), np.minimum(motors.high + wider, body.motor_high)
+    motors = replace(motors, low=low, high=high)
     commands, acts = _plan(motors, body.copies, body.tick_s, ticks, np.random.default_rng([seed, 0x31]))
     postures = np.empty((ticks, body.copies, len(schema.posture)))
     body.reset()
@@ -141,10 +146,10 @@ def _elsewhere(motors: MotorRange, motor: int, here: float, reach: float, rng: n
     """A command some way off, up or down, inside the motor's range."""
     low, high = float(motors.low[motor]), float(motors.high[motor])
     least = min(SHORTEST_ACT * (high - low), reach)
-    room = {-1: here - low, 1: high - here}
-    side = rng.choice([-1, 1]) if min(room.values()) > least else max(room, key=lambda s: room[s])
-    most = min(room[side], reach)
-    return here + float(side * rng.uniform(min(least, most), most))
+    down, up = here - low, high - here
+    side = rng.choice([-1, 1]) if min(down, up) > least else (1 if up > down else -1)
+    most = min(up if side > 0 else down, reach)
+    return float(here + side * rng.uniform(min(least, most), most))
 
 
 def _moved(start: FloatArray, goal: FloatArray, moving: int, holding: int, share: FloatArray) -> FloatArray:

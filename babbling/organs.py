@@ -26,7 +26,8 @@ LABELS = tuple(f"{low:g}-{high:g} deg" for low, high in zip((0.0, *EDGES_DEG), (
 IMAGINED = 0.5
 """Imagined visits of every category before any is seen (Jeffreys' prior), so that one odd act rules nothing out."""
 LEAST_BITS = 0.35
-"""Information from which a motor counts as moving a part; pure noise stays below 0.25 in a short babble, true movers lie above 0.5."""
+"""Information from which a motor counts as moving a part; noise alone stays below 0.25 in a short babble, true movers
+lie above 0.5."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,13 @@ def turned(before: FloatArray, after: FloatArray) -> FloatArray:
     return angle
 
 
+def empty_amounts(parts: tuple[str, ...], factors: int) -> ForwardModel:
+    """The forward model of acts before any is seen."""
+    labels = (*(f"motor {f}" for f in range(factors)), "nothing")
+    motor = Axis.categorical("motor", labels, len(parts))
+    return ForwardModel((), motor, Axis.categorical("amount", LABELS, len(parts)), factors=parts)
+
+
 def find_organs(experience: MirrorExperience) -> Organs:
     """Count what every act turned.
 
@@ -89,12 +97,7 @@ def find_organs(experience: MirrorExperience) -> Organs:
             for copy, start, _ in experience.acts
         ]
     )
-    parts = len(experience.parts)
-    labels = (*(f"motor {f}" for f in range(factors)), "nothing")
-    model = ForwardModel(
-        (), Axis.categorical("motor", labels, parts), Axis.categorical("amount", LABELS, parts),
-        factors=experience.parts,
-    )  # fmt: skip
+    parts, model = len(experience.parts), empty_amounts(experience.parts, factors)
     model.observe((), np.repeat(experience.acts[:, 2:], parts, axis=1), categories(amounts))
     information = _information(model.counts / model.unit)
     if (information.max(1) < LEAST_BITS).any():

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,14 @@ from experiments.experiment import ExperimentError, Result
 from experiments.gesture_figures import figures
 from experiments.gesture_recording import record
 from experiments.minds import DEFAULT_MINUTES, BodyOptions, Learned, check_minutes, learn_mind, take_mind
+from experiments.mirrors import (
+    MIRROR_MINUTES,
+    Eyes,
+    correspondence_metrics,
+    seen_in_mirror,
+    take_image,
+    through_mirror,
+)
 from experiments.progress import progress
 from experiments.watching import Seen, retarget_metrics, watch
 from imitation.inverse import LinearInverse
@@ -28,6 +36,8 @@ class Config:
 
     demonstration: str = "icub-wave"
     """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles)."""
+    correspondence: Literal["learned", "ik"] = "ik"
+    """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
     selection: str = "mean"
     """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
     attempts: int = 1
@@ -42,6 +52,13 @@ class Config:
     """Standard deviation of every angle sense, degrees."""
     scramble: int | None = None
     """Seed of an unknown wiring between mind and body."""
+    seeing_noise_deg: float = 0.0
+    """Standard deviation of every seen direction across the line of sight, degrees: in the mirror and of the teacher;
+    for the learned correspondence."""
+    mirror_minutes: float = MIRROR_MINUTES
+    """Body-minutes in front of the mirror."""
+    body_image: Path | None = None
+    """A body image that `imitate correspondence` left; no mirror then."""
     seed: int = 0
     """Seed of everything random."""
     threads: int = 2
@@ -98,6 +115,7 @@ def run(config: Config) -> Result:
         raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
     selection_rule(config.selection)
     check_minutes(config.babbling_minutes)
+    eyes = Eyes(config.seeing_noise_deg, config.mirror_minutes)
     body = options.body(1, stream=3)
     learned = take_mind(config.forward_model, options) if config.forward_model is not None else None
     seen = watch(config.demonstration, body)
@@ -105,6 +123,14 @@ def run(config: Config) -> Result:
         with progress(f"{config.robot} babbles") as report:
             learned = learn_mind(options, config.babbling_minutes, report)
     mind = learned.mind
+    if config.correspondence == "learned" and seen.performance is not None:
+        with progress(f"{config.robot} looks into a mirror") as report:
+            image, cost = take_image(config.body_image, options, mind.pilot, eyes, report)
+        learned.metrics.update(cost)
+        eye = np.random.default_rng([config.seed, 10])
+        frames = len(seen.angles)
+        through = through_mirror(image, body, mind.pilot, seen.performance, frames, config.seeing_noise_deg, eye)
+        seen = seen_in_mirror(seen, through, body)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     attempts = imitate(
         body,
@@ -169,6 +195,7 @@ def measure(
         "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
         "habit_mean": float(learned.mind.temper.habit.mean()),
         **retarget_metrics(seen),
+        **correspondence_metrics(seen.corresponded, seen.retargeted, body.tick_s),
         **learned.metrics,
         **curve_metrics(learned),
     }

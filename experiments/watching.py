@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from models.motion import FORMATS, JointTrajectory, read_motion
 from models.retargeting import Retargeted, retarget
 from models.teachers import Performance, perform
 
+if TYPE_CHECKING:
+    from experiments.mirrors import Corresponded
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -27,6 +30,8 @@ class Seen:
     performance: Performance | None
     """The teacher as it was seen; None when joint angles were given directly."""
     retargeted: Retargeted | None
+    corresponded: "Corresponded | None" = None
+    """What the learned correspondence made of it; None where inverse kinematics or joint angles were taken."""
 
 
 def watch(demonstration: str, body: SimulatedBody) -> Seen:

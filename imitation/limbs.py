@@ -19,7 +19,8 @@ TOLERANCE_DEG = (0.2, 0.9, 6.0)
 
 @dataclass(frozen=True)
 class OwnLimb:
-    """parts: their numbers, from the torso outwards; tolerances: how far each may miss, rad; factors: (n,) senses that this limb decides."""
+    """parts: their numbers, from the torso outwards; tolerances: how far each may miss, rad; factors: (n,) senses that
+    this limb decides."""
 
     parts: tuple[int, ...]
     tolerances: tuple[float, ...]

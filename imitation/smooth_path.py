@@ -2,11 +2,12 @@
 
 Over a whole movement of one limb, min over q(t) of
 
-    sum_t sum_s h_ts |direction_s(q_t) - found_ts|^2 + m sum_t |third difference of q|^2 + c sum_t |speed beyond limit|^2
+    sum_t sum_s h_ts |direction_s(q_t) - found_ts|^2  +  m sum_t |third difference of q|^2
+                                                      +  c sum_t |speed beyond its limit|^2
 
-inside the range of the senses. m makes the middle term a low-pass without delay at CUT_OFF_HZ; it also carries a limb smoothly
-through postures in which a sense changes nothing that is seen. h grows where a direction that can be shown is moved by
-more than TUBE; c grows until the speed limit holds, and what is left is cut. Gauss-Newton on a banded system.
+inside the range of the senses. m makes the middle term a low-pass without delay at CUT_OFF_HZ; it also carries a limb
+smoothly through postures in which a sense changes nothing that is seen. h grows where a direction that can be shown is
+moved by more than TUBE; c grows until the speed limit holds, and what is left is cut. Gauss-Newton on a banded system.
 """
 
 import numpy as np
