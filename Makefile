@@ -22,7 +22,7 @@ setup: $(VENV)/.ready
 # Started afresh whenever it is not complete, so that an interrupted setup leaves nothing half installed.
 $(VENV)/.locked: requirements.lock
 	@test -n "$(PYTHON)" || { echo "make: Python 3.11 or later is needed and is not on the path; name one: make setup PYTHON=/path/to/python3" >&2; exit 2; }
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "make: $(PYTHON) is not Python 3.11 or later; name one that is: make setup PYTHON=/path/to/python3" >&2; exit 2; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo "make: $(PYTHON) is not Python 3.11 or later; name one that is: make setup PYTHON=/path/to/python3" >&2; exit 2; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make: $(PYTHON) cannot make environments; install its venv part (on Debian and Ubuntu: apt install python3-venv)" >&2; exit 2; }
 	@echo "Installing into $(VENV) (minutes the first time: libraries of 500 MB) ..."
 	@$(PYTHON) -m venv --clear $(VENV)
