@@ -24,7 +24,7 @@ EDGES_DEG = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
 """Amounts between two of these fall into one category; half a logarithmic step is about what acts differ by anyway."""
 LABELS = tuple(f"{low:g}-{high:g} deg" for low, high in zip((0.0, *EDGES_DEG), (*EDGES_DEG, 180.0), strict=True))
 IMAGINED = 0.5
-"""Imagined visits of every category before any is seen (Jeffreys' prior), so that one odd act rules nothing out."""
+"""Imagined visits of every category before any is seen (Jeffreys' prior), so that nothing is ruled out for good."""
 LEAST_BITS = 0.35
 """Information from which a motor counts as moving a part; noise alone stays below 0.25 in a short babble, true movers
 lie above 0.5."""
@@ -52,9 +52,14 @@ class Organs:
         return moves
 
     def likelihood(self) -> FloatArray:
-        """(P, F + 1, categories) P(amount | motor) with the imagined visits counted in."""
-        counts = self.amounts.counts / self.amounts.unit + IMAGINED
-        table: FloatArray = counts / counts.sum(-1, keepdims=True)
+        """(P, F + 1, categories) P(amount | motor), the same for all pairs that move, and for all that do not.
+
+        A motor acts a dozen times in a short babble, too seldom for a table of its own; all movers together act often.
+        """
+        counts = self.amounts.counts / self.amounts.unit
+        moves = np.concatenate([self.moves, np.zeros((len(self.parts), 1), bool)], axis=1)
+        moved, still = (counts[which].sum(0) + IMAGINED for which in (moves, ~moves))
+        table: FloatArray = np.where(moves[..., None], moved / moved.sum(), still / still.sum())
         return table
 
 

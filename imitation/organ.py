@@ -17,9 +17,9 @@ from babbling.axes import FloatArray, IntArray
 from babbling.organs import Organs, categories, turned
 from imitation.bayes import action_posterior
 
-EDGE_S = 0.1
+EDGE_S = 0.12
 """Time at the beginning and at the end of an act over which directions are averaged."""
-FORGIVING = 0.02
+FORGIVING = 0.01
 """Share of acts in which a part of somebody else turns in a way one's own acts never showed."""
 
 

@@ -1,0 +1,97 @@
+"""Single acts: a robot holds a posture, moves the joints of one body part alone, and holds still again."""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import unknown
+from models.motion.trajectory import JointTrajectory
+from models.teachers import robots
+from models.teachers.anatomy import perform
+from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
+
+Array = NDArray[np.float64]
+RATE_HZ = 50.0
+HOLD_S, ACT_S = 0.2, 0.6
+LEAST = np.deg2rad(15.0)
+"""A part turns at least this far in its act; what turns less is hardly an act."""
+WIDEST = 1.2
+"""Joints stay within this of zero, rad, and inside their range."""
+ATTEMPTS = 60
+
+
+def joints_of(robot: str, part: str) -> tuple[str, ...]:
+    """Joints between the part and the next one inwards: those that turn it, and do not turn that.
+
+    Raises:
+        TeacherError: an unknown part, or a robot that cannot move it by itself.
+    """
+    if part not in PARTS:
+        raise TeacherError(unknown("body part", part, PARTS))
+    body, model = robots.ROBOTS[robot], robots.load(robot)
+    side, _, name = part.partition("_")
+    letter = {"left": body.left, "right": body.right}.get(side, "") if side in SIDES else ""
+
+    def above(joint: str, *, itself: bool = True) -> set[int]:
+        number = model.getJointId(joint.format(s=letter))
+        ids = set(model.supports[number]) - {0}
+        return ids if itself else ids - {number}
+
+    torso, pelvis = above(body.torso), above(body.pelvis)
+    own = {
+        "upper_arm": lambda: above(body.elbow, itself=False) - torso - pelvis,
+        "forearm": lambda: above(body.wrist, itself=False) - above(body.elbow, itself=False),
+        "thigh": lambda: above(body.knee, itself=False) - torso - pelvis,
+        "shank": lambda: above(body.knee) - above(body.knee, itself=False),
+        "foot": lambda: above(body.foot) - above(body.knee),
+    }.get(name, lambda: above(body.head) - torso - pelvis if part == "head" else torso ^ pelvis)()
+    own = {joint for joint in own if model.joints[joint].nq == 1}
+    if not own:
+        raise TeacherError(f"teacher {robot}: no joint moves its {part} alone")
+    return tuple(model.names[joint] for joint in sorted(own))
+
+
+@cache
+def movable(robot: str) -> tuple[str, ...]:
+    """Parts that this robot can visibly move by themselves (a waist that only turns about the spine does not count)."""
+    found = []
+    for part in PARTS:
+        try:
+            single_act(robot, part, np.random.default_rng(0))
+        except TeacherError:
+            continue
+        found.append(part)
+    return tuple(found)
+
+
+def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
+    """What is seen of a random act of one part, out of a random posture of the whole robot.
+
+    Raises:
+        TeacherError: see `joints_of`; or no act of that part turns it by LEAST.
+    """
+    own = joints_of(robot, part)
+    limits = robots.limits(robot)
+    names = tuple(limits)
+    low, high = np.clip(np.array([limits[name] for name in names]), -WIDEST, WIDEST).T
+    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    columns = [names.index(joint) for joint in own]
+    hold, act = round(HOLD_S * RATE_HZ), round(ACT_S * RATE_HZ)
+    share = np.clip((np.arange(2 * hold + act) - hold + 1) / act, 0, 1)
+    way = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
+    time = np.arange(len(way)) / RATE_HZ
+    reference = robots.reference(robot)
+    for _ in range(ATTEMPTS):
+        start = low + (high - low) * rng.random(len(names))
+        start *= 0.5  # an everyday posture, not a contortion
+        end = start.copy()
+        end[columns] = (low + (high - low) * rng.random(len(names)))[columns]
+        ends = JointTrajectory("act", np.arange(3.0), names, np.stack([start, start, end]))
+        seen = perform("act", robot, ends.time, robots.motion(robot, robots.postures(robot, ends)), reference)
+        if seen.directions[part][0] @ seen.directions[part][2] > np.cos(LEAST):
+            continue
+        trajectory = JointTrajectory(f"{robot} moves its {part}", time, names, start + way * (end - start))
+        motion = robots.motion(robot, robots.postures(robot, trajectory))
+        return perform(trajectory.name, robot, time, motion, reference)
+    raise TeacherError(f"teacher {robot}: no act of its {part} was found that turns it by 15 degrees")
