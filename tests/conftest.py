@@ -1,12 +1,14 @@
 """Shared fixtures: where outside data stands, when it does."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from babbling.mind import Mind, learn
+from imitation.rehearsal import made_up_movement
 from models.loading import load_body
 
 os.environ.setdefault("MUJOCO_GL", "disabled")
@@ -78,7 +80,11 @@ def arm_mind(arm: Path) -> Mind:
     return learn(load_body(arm, copies=16), minutes=1, seed=0)
 
 
-@pytest.fixture
-def few_copies(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Babble with 8 copies instead of the many that fill a processor."""
-    monkeypatch.setattr("experiments.minds.COPIES", 8)
+@pytest.fixture(scope="module")
+def hasty() -> Iterator[None]:
+    """Babble with 8 copies instead of the many that fill a processor, and rehearse for a moment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("experiments.minds.COPIES", 8)
+        patch.setattr("experiments.minds.BARE_TICKS", 10)
+        patch.setattr(made_up_movement, "__defaults__", (1.0,))
+        yield

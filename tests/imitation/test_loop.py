@@ -123,7 +123,7 @@ def test_behind_an_unknown_wiring_it_works_as_well_as_before(arm, arm_mind, wave
 
 
 def test_noise_is_weighed_by_what_it_was_at_rest(arm, wave):
-    """The believed posture is nearer the truth than the senses are, and than one who believes the senses as they are."""
+    """What is believed lies nearer the truth than the senses do, and than what one believes who trusts them whole."""
     noise = np.deg2rad(0.2)
     mind = learn(load_body(arm, copies=16, noise=noise), minutes=1, seed=0)
     schema = mind.pilot.schema

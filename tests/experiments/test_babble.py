@@ -1,0 +1,163 @@
+"""`imitate babble`: interrupted and resumed is uninterrupted, and what is in the way is refused."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from babbling.storage import load_mind, save_mind
+from experiments import minds
+from experiments.__main__ import main
+from experiments.minds import learn_mind
+
+MINUTES = "2.8"  # three bouts of 8 copies
+
+
+def command(arm: Path, out: Path, *more: str) -> list[str]:
+    return ["babble", "--robot", str(arm), "--babbling-minutes", MINUTES, "--out", str(out), *more]
+
+
+@pytest.fixture(scope="module")
+def whole(arm: Path, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("babble") / "arm.nc"
+    assert main(command(arm, out, "--threads", "1", "--sensor-noise-deg", "0.1")) == 0
+    return out
+
+
+def assert_same_file(one: Path, other: Path) -> None:
+    with xr.open_dataset(one, engine="h5netcdf") as a, xr.open_dataset(other, engine="h5netcdf") as b:
+        assert set(a.variables) == set(b.variables)
+        for name in a.variables:
+            assert a[name].to_numpy().tobytes() == b[name].to_numpy().tobytes(), name
+        assert a.attrs == b.attrs
+
+
+def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Press Ctrl-C when so many checkpoints have been written."""
+    written = 0
+
+    def save(*args: object, **notes: object) -> None:
+        nonlocal written
+        save_mind(*args, **notes)
+        written += 1
+        if written == after:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(minds, "save_mind", save)
+
+
+@pytest.mark.parametrize("after", [1, 2])
+def test_interrupted_and_repeated_is_uninterrupted_to_the_last_bit(
+    arm: Path,
+    whole: Path,
+    hasty: None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    after: int,
+) -> None:
+    out = tmp_path / "arm.nc"
+    with monkeypatch.context() as patch:
+        interrupting(after, patch)
+        assert main(command(arm, out, "--sensor-noise-deg", "0.1")) == 130
+    assert capsys.readouterr().err.count("\n") == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.nc.partial"]
+    ran: list[int] = []
+
+    def counting(*args: object, **how: object) -> object:
+        ran.append(int(how["first"]))  # type: ignore[call-overload]
+        return babble(*args, **how)
+
+    babble = minds.babble
+    monkeypatch.setattr(minds, "babble", counting)
+    assert main(command(arm, out, "--sensor-noise-deg", "0.1")) == 0
+    assert ran == [after]  # it went on, it did not begin again
+    assert_same_file(out, whole)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
+
+
+KILLED = """
+import sys
+from experiments import minds
+from imitation.rehearsal import made_up_movement
+minds.COPIES, minds.BARE_TICKS, made_up_movement.__defaults__ = 8, 10, (1.0,)
+from experiments.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_killed_without_warning_and_repeated(arm: Path, whole: Path, hasty: None, tmp_path: Path) -> None:
+    out = tmp_path / "arm.nc"
+    words = command(arm, out, "--sensor-noise-deg", "0.1")
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, *words], cwd=Path(__file__).resolve().parents[2], stdout=subprocess.DEVNULL
+    )
+    limit = time.monotonic() + 60
+    while not (tmp_path / "arm.nc.partial").exists() and process.poll() is None and time.monotonic() < limit:
+        time.sleep(0.005)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert not out.exists() or process.returncode == 0
+    assert main(words) == 0
+    assert_same_file(out, whole)
+
+
+def test_the_file_works_where_it_was_made_for(whole: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path) -> None:
+    mind, notes = load_mind(whole)
+    assert notes["robot"] == str(arm) and float(notes["minutes"]) == 2.8
+    words = ["gesture", "--robot", str(arm), "--demonstration", str(wave), "--forward-model", str(whole)]
+    assert main([*words, "--out", str(tmp_path / "g")]) == 0
+    assert np.isfinite(mind.forward_model.predictive).all()
+
+
+@pytest.mark.parametrize(
+    "other", [["--seed", "1"], ["--babbling-minutes", "3"], ["--sensor-noise-deg", "0.2"], ["--scramble", "1"]]
+)
+def test_leftovers_of_another_babble_are_refused(
+    arm: Path,
+    hasty: None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    other: list[str],
+) -> None:
+    out = tmp_path / "arm.nc"
+    with monkeypatch.context() as patch:
+        interrupting(1, patch)
+        assert main(command(arm, out)) == 130
+    before = (tmp_path / "arm.nc.partial").read_bytes()
+    capsys.readouterr()
+    assert main(command(arm, out, *other)) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "arm.nc.partial: an interrupted babble of another" in said
+    assert (tmp_path / "arm.nc.partial").read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.nc.partial"]
+
+
+def test_leftovers_that_are_none(
+    arm: Path, whole: Path, hasty: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, leftover = tmp_path / "arm.nc", tmp_path / "arm.nc.partial"
+    for content, message in (
+        (b"not one", "not a readable NetCDF-4 file"),
+        (whole.read_bytes(), "no interrupted babble"),
+    ):
+        leftover.write_bytes(content)
+        assert main(command(arm, out)) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1 and message in said
+        assert leftover.read_bytes() == content and not out.exists()
+
+
+def test_the_learning_curve_is_no_worse_than_the_line(hasty: None, arm: Path) -> None:
+    curve = learn_mind(minds.BodyOptions(str(arm)), 4.0, lambda done: None).curve
+    assert curve is not None
+    assert (np.diff(curve.minutes) > 0).all()
+    assert (curve.table_deg < 1.05 * curve.linear_deg).all()
+    assert curve.table_deg[-1] < 1.02 * curve.table_deg[0]

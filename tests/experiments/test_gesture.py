@@ -1,0 +1,176 @@
+"""`imitate gesture` as a user runs it: every number in metrics.json can be had again from the recording."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+
+from experiments.__main__ import main
+from models.motion import read_motion
+
+KEYS = {
+    "joint_rmse_deg",
+    "joint_rmse_deg_by_joint",
+    "direct_replay_rmse_deg",
+    "attempts_rmse_deg",
+    "babbling_transitions",
+    "babbling_body_minutes",
+    "babbling_wall_s",
+    "babbling_efficiency_factor",
+    "select_p50_ms",
+    "select_p99_ms",
+    "linear_peer_rmse_deg",
+    "retarget_error_deg",
+    "uninformed_selections",
+    "seed",
+}
+JOINTS = ("shoulder", "elbow", "wrist")
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def gesture(arm: Path, wave: Path, out: Path, *more: str) -> dict[str, object]:
+    common = ["gesture", "--robot", str(arm), "--demonstration", str(wave), "--out", str(out)]
+    assert main([*common, "--babbling-minutes", "1", *more]) == 0
+    found: dict[str, object] = json.loads((out / "metrics.json").read_text())
+    return found
+
+
+@pytest.fixture(scope="module")
+def done(arm: Path, wave: Path, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("gesture") / "result"
+    gesture(arm, wave, out, "--attempts", "2", "--threads", "1", "--seed", "3")
+    return out
+
+
+def metrics(out: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads((out / "metrics.json").read_text())
+    return found
+
+
+def series(recording: Path) -> dict[str, np.ndarray]:
+    """Entity -> its scalars through time."""
+    reader = RrdReader(recording)
+    found: dict[str, list[np.ndarray]] = {}
+    for chunk in reader.stream(store=reader.recordings()[0]):
+        batch = chunk.to_record_batch()
+        if not chunk.is_static and "Scalars:scalars" in batch.schema.names:
+            assert {"sim_time", "step"} <= set(chunk.timeline_names)
+            values = np.array(batch.column("Scalars:scalars").flatten(), float)
+            order = np.array(batch.column("step"))
+            found.setdefault(str(chunk.entity_path), []).append(values[np.argsort(order)])
+    return {entity: np.concatenate(parts) for entity, parts in found.items()}
+
+
+def test_everything_is_there(done: Path) -> None:
+    names = {p.name for p in done.iterdir()}
+    assert {"config.json", "metrics.json", "recording.rrd"} <= names and any(n.endswith(".png") for n in names)
+    assert metrics(done).keys() >= KEYS
+    config = json.loads((done / "config.json").read_text())
+    assert config["options"]["attempts"] == 2 and config["options"]["seed"] == 3
+    assert set(config["files"]) == names
+    assert [p for p in done.parent.iterdir()] == [done]  # nothing half done beside it
+
+
+def test_the_error_can_be_recomputed_from_the_recording(done: Path) -> None:
+    told = metrics(done)
+    seen = series(done / "recording.rrd")
+    error = {j: seen[f"/joints/{j}/imitated"] - seen[f"/joints/{j}/demonstrated"] for j in JOINTS}
+    assert np.sqrt(np.mean([e**2 for e in error.values()])) == pytest.approx(told["joint_rmse_deg"], abs=1e-4)
+    for joint, e in error.items():
+        assert np.sqrt(np.mean(e**2)) == pytest.approx(told["joint_rmse_deg_by_joint"][joint], abs=1e-4)
+    replay = [seen[f"/joints/{j}/replayed"] - seen[f"/joints/{j}/demonstrated"] for j in JOINTS]
+    assert np.sqrt(np.mean(np.square(replay))) == pytest.approx(told["direct_replay_rmse_deg"], abs=1e-4)
+
+
+def test_what_was_demonstrated_is_the_file_at_fifty_hertz(done: Path, wave: Path) -> None:
+    wanted = np.rad2deg(read_motion(wave).reordered(JOINTS).angles)
+    seen = series(done / "recording.rrd")
+    for number, joint in enumerate(JOINTS):
+        np.testing.assert_allclose(seen[f"/joints/{joint}/demonstrated"], wanted[:, number], atol=1e-4)
+
+
+def test_the_recording_opens_on_its_blueprint_and_shows_the_beliefs(done: Path) -> None:
+    reader = RrdReader(done / "recording.rrd")
+    assert len(reader.recordings()) == 1 and len(reader.blueprints()) == 1
+    store = reader.store(store=reader.recordings()[0])
+    paths = {str(path) for path in store.schema().entity_paths()}
+    assert "/summary" in paths
+    for root in ("/world/imitator/", "/world/teacher/", "/belief/", "/babbling/", "/correction/", "/error/"):
+        assert any(path.startswith(root) for path in paths), root
+    columns = {column.name for column in store.schema().index_columns()}
+    assert {"sim_time", "step"} <= columns
+    steps = []
+    for chunk in reader.stream(store=reader.recordings()[0]):
+        if str(chunk.entity_path) == "/world/imitator/hand" and not chunk.is_static:
+            batch = chunk.to_record_batch()
+            steps.append(np.diff(np.array(batch.column("sim_time").cast("int64"))))
+            places = np.array(batch.column("Transform3D:translation").flatten().flatten()).reshape(-1, 3)
+            assert np.ptp(places, axis=0).max() > 0.1  # it moves
+    np.testing.assert_array_equal(np.concatenate(steps), 20_000_000)  # 50 Hz, ns
+    assert (done / "recording.rrd").stat().st_size < 30e6 * 2 / 20
+
+
+def test_it_imitates_better_than_replay_and_better_the_second_time(done: Path) -> None:
+    told = metrics(done)
+    first, second = told["attempts_rmse_deg"]
+    assert first <= 0.2 * told["direct_replay_rmse_deg"]
+    assert second < first and second == pytest.approx(told["joint_rmse_deg"])
+    assert told["uninformed_selections"] == 0
+    assert told["body_schema_correct_share"] == 1
+
+
+def test_same_seed_same_numbers_at_any_thread_count(
+    done: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path
+) -> None:
+    def timeless(told: dict[str, object]) -> dict[str, object]:
+        return {k: v for k, v in told.items() if not k.endswith(("_s", "_ms", "_factor"))}
+
+    again = gesture(arm, wave, tmp_path / "again", "--attempts", "2", "--threads", "2", "--seed", "3")
+    assert timeless(again) == timeless(metrics(done))
+
+
+def test_with_crossed_wires_it_is_as_good_and_finds_every_motor(
+    done: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path
+) -> None:
+    straight, crossed = metrics(done), gesture(arm, wave, tmp_path / "crossed", "--scramble", "5", "--seed", "3")
+    assert crossed["body_schema_correct_share"] == 1
+    assert crossed["joint_rmse_deg"] <= 1.2 * straight["attempts_rmse_deg"][0]
+    assert crossed["direct_replay_rmse_deg"] == pytest.approx(straight["direct_replay_rmse_deg"])
+
+
+def test_a_result_is_replaced_whole_and_other_things_never(
+    done: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "result"
+    shutil.copytree(done, out)
+    gesture(arm, wave, out, "--selection", "matching")
+    assert metrics(out)["selection"] == "matching"
+    (out / "thesis.txt").write_text("years of work")
+    common = ["gesture", "--robot", str(arm), "--demonstration", str(wave), "--out", str(out)]
+    capsys.readouterr()
+    assert main(common) == 2
+    assert "this folder holds other things than a result ('thesis.txt')" in capsys.readouterr().err
+    assert (out / "thesis.txt").read_text() == "years of work"
+
+
+def snippets() -> list[str]:
+    readme = ROOT / "README.md"
+    blocks = re.findall(r"```python\n(.*?)```", readme.read_text(), re.DOTALL) if readme.exists() else []
+    return [block for block in blocks if "# five lines" in block]
+
+
+def test_the_readmes_five_lines_run(tmp_path: Path) -> None:
+    if not snippets():
+        pytest.skip("README.md has no python block marked '# five lines'")
+    for block in snippets():
+        shorter = re.sub(r"\bminutes=\d+", "minutes=1", re.sub(r"\bcopies=\d+", "copies=4", block))
+        ran = subprocess.run(
+            [sys.executable, "-c", shorter], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+        )
+        assert ran.returncode == 0, ran.stderr
