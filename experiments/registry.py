@@ -26,6 +26,7 @@ EXPERIMENTS: dict[str, Entry] = {
     "saccades": Entry("saccades", "a head looks about, learns what its movements do to what it sees, and fixates"),
     "head": Entry("head", "a head watches another nod, shake and look around, and does the same, at once or later"),
     "maze": Entry("maze", "the chapter's maze: wander, watch, imitate, infer intent, with its figures and its claims"),
+    "correspondence": Entry("correspondence", "a mirror, organ identification, anybody's movements in one's own limbs"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }
 
