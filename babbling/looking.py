@@ -29,7 +29,7 @@ from babbling.reading import Transitions
 
 GRID = (9, 7, 5, 13, 41)
 """Grid points of u, v, the other motor's posture, action and outcome."""
-PRIOR_STRENGTH = 0.1
+PRIOR_STRENGTH = 0.3
 """Pseudo-counts of the linear-Gaussian prior: visits are spread over 16 neighbouring cells and there are many cells."""
 MARGIN, QUANTILE = 1.5, 0.998
 """The outcome axis reaches this many times the pilot's quantile, and half a pixel."""
@@ -274,9 +274,7 @@ class Sight:
     def __init__(self, reading: Looking, forward_model: ForwardModel) -> None:
         self.reading, self.forward_model = reading, forward_model
 
-    def expect(
-        self, things: FloatArray, posture: FloatArray, change: FloatArray, *, table: bool = True
-    ) -> FloatArray:
+    def expect(self, things: FloatArray, posture: FloatArray, change: FloatArray, *, table: bool = True) -> FloatArray:
         """(..., C) where things (..., C) will be after a saccade of both motors from (..., 2) by (..., 2), pixels.
 
         Chained: motor 0 at the present posture of motor 1, then motor 1 at the new posture of motor 0. Without `table`

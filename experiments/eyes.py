@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from babbling.forward_model import ForwardModel
 from babbling.looking import LookingMind, Reach, pilot_looking
 from babbling.loop import BOUT_TICKS, babble
-from experiments.experiment import ExperimentError
+from experiments.errors import ExperimentError
 from imitation.finding import Finder
 from imitation.seeing import COLOURS
 from models.biclops.room import Ball
-from models.heads import EYE_HEIGHT, stage
+from models.heads import EYE_HEIGHT, clear_away, stage
 from models.retina import RetinaOptions
 from models.seeing_body import SeeingBody
 
@@ -26,19 +26,19 @@ LEAST_TOY = 10.0
 """Square pixels at 160 x 120, a fifth of what a toy covers; less of it is no toy."""
 TOY_DISTANCE = (0.9, 1.1)
 """m: about an arm's length of an adult; a much nearer toy would move otherwise (parallax)."""
-TOY_BEARING, TOY_ELEVATION = 0.85, (-0.60, 0.50)
+TOY_BEARING, TOY_ELEVATION = 0.85, (-0.80, 0.50)
 """rad, largest bearing to either side and range of elevations."""
 APART = np.deg2rad(13.0)
 SACCADE_S = 1.4
 """s between saccades: the slowest of them (tilt, 30 degrees at 80 degrees/s^2) takes 1.23 s."""
 COPIES = 16
 """Heads that babble side by side, each before toys hung up its own way."""
-BOUT = 20
+BOUT = 6
 """Saccades between two rests."""
-REACH = Reach(np.array([-0.70, -0.40]), np.array([0.70, 0.40]), np.array([0.56, 0.44]))
+REACH = Reach(np.array([-0.70, -0.40]), np.array([0.70, 0.62]), np.array([0.56, 0.44]))
 """Postures and saccades that are babbled, rad."""
-REACH_LOW_TILT = {"hoap2": (-0.24, 0.56)}
-"""HOAP-2 tilts its head 15 degrees up and 60 down."""
+REACH_LOW_TILT = {"hoap2": (-0.24, 0.62)}
+"""HOAP-2 tilts its head only 15 degrees up."""
 REST = {"biclops": (0.0, 0.0), "hoap2": (0.0, 0.16)}
 
 
@@ -88,6 +88,7 @@ def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
     """Heads among toys."""
     balls = [Ball(name, (1.0, 0.0, 0.2), COLOURS[name], TOY_RADIUS) for name in TOYS]
     model = stage(options.robot, balls=balls).compile()
+    clear_away(model, "table")  # toys hang below its top too
     body = SeeingBody(
         model,
         options.robot,

@@ -73,7 +73,7 @@ def _hide(axes: Axes, time: FloatArray, hidden: NDArray[np.bool_]) -> None:
 def looks(appearance: Appearance) -> Figure:
     """What was learned of a head's looks: where its features are seen as it pans and tilts."""
     figure = Figure(figsize=(10.5, 4.2), layout="constrained")
-    panels = figure.subplots(1, 2, sharey=True, sharex=True)
+    panels = figure.subplots(1, 2, sharey=True)
     sweep = np.linspace(-0.9, 0.9, 25)
     grid = appearance.expect(np.stack(np.meshgrid(*[sweep * s for s in appearance.scale]), -1))  # tilt, pan, M
     numbers = grid.reshape(*grid.shape[:2], len(FACE), 2, 3)

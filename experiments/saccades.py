@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from babbling.looking import LookingMind, saccades
 from babbling.looking_storage import save_looking
 from babbling.loop import explore, flat
-from experiments.experiment import ExperimentError, Result
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
 from experiments.eyes import COPIES, TOYS, EyeOptions, learn_to_look, nursery, toy_places
 from experiments.progress import progress
 from imitation.fixation import Fixation, Saccade
@@ -299,7 +300,9 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
     rng = np.random.default_rng([seed, 79])
     efference, retina = mind.pilot.efference, mind.pilot.retina
     senses = body.reset()
-    last, glances = -1, []
+    glances: list[Glance] = []
+    visits = np.zeros(body.things, int)
+    last = -1
     nothing = np.full((body.things, 4), np.nan)
     centre = retina.centre
     things = retina.things(senses)[0]
@@ -307,7 +310,9 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
     for _ in range(looks):
         possible = np.flatnonzero(within_reach(mind, things, senses[0, :2]) & (np.arange(len(things)) != last))
         if len(possible):
-            last = int(rng.choice(possible))
+            least = possible[visits[possible] == visits[possible].min()]
+            last = int(rng.choice(least))
+            visits[last] += 1
             saccade: Saccade = fixation.choose(things[None, last], senses[:, :2], rng)
             change, event = saccade.change, f"look at {TOYS[last]}"
         else:

@@ -50,10 +50,10 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
         errors.hist(values, bins, histtype="step", color=colour, lw=1.8, label=f"{name}: {values.mean():.3f} px")
         errors.axvline(values.mean(), color=colour, lw=1, ls=":")
     errors.axvline(0.5, color="0.5", lw=1, ls="--")
-    errors.annotate("0.5 px", (0.5, 0.97), xycoords=("data", "axes fraction"), xytext=(4, -4), va="top",
+    errors.annotate("0.5 px", (0.5, 1.0), xycoords=("data", "axes fraction"), xytext=(4, 2), va="bottom",
                     textcoords="offset points", fontsize=8, color="0.4")  # fmt: skip
-    errors.set(xscale="log", xlabel="error of the expected position [px]", ylabel="sightings", title="errors")
-    errors.legend(fontsize=9, frameon=False)
+    errors.set(xscale="log", xlabel="error of the expected position [px]", ylabel="sightings")
+    errors.legend(fontsize=9, frameon=False, loc="upper left")
     return figure
 
 
@@ -102,7 +102,7 @@ def forward_model(mind: LookingMind) -> Figure:
         whole = mind.sight.expect(things, posture, change)[:, :2] - things[:, :2]
         copy = mind.sight.expect(things, posture, change, table=False)[:, :2] - things[:, :2]
         for column, (field, scale, title) in enumerate(
-            ((whole, 1.0, "displacement"), (whole - copy, None, "of it: what the table learned beyond the copy"))
+            ((whole, 1.0, "displacement"), (whole - copy, None, "the table's share"))
         ):
             shown = axes[row, column]
             size = float(np.hypot(*field.T).max())

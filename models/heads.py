@@ -107,6 +107,11 @@ def stage(
     return scene
 
 
+def clear_away(model: mujoco.MjModel, thing: str) -> None:
+    """Make a piece of scenery invisible: a geom of alpha 0 is not there for any eye."""
+    model.geom(thing).rgba[3] = 0.0
+
+
 def check_sees(model: mujoco.MjModel, eyes: Sequence[str]) -> None:
     """Refuse a scene without the cameras that are to be looked through.
 

@@ -56,7 +56,7 @@ def onlook(
     for geom in range(model.ngeom):
         name = model.geom(geom).name
         mocap = model.body_mocapid[model.geom_bodyid[geom]] >= 0
-        if mocap or name in _SCENERY or (name in cloths and model.geom_rgba[geom][3] == 0):
+        if mocap or name in _SCENERY or (name in (*cloths, "table") and model.geom_rgba[geom][3] == 0):
             model.geom_group[geom] = _UNSEEN_GROUP
     try:
         moving = parts(model, qpos)

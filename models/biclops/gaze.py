@@ -1,0 +1,92 @@
+"""Where a teacher has to turn its head to look at something, and toys laid out on the table between two heads."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.biclops.facts import CAMERA_HEIGHT, PAN_HEIGHT
+from models.errors import BodyError
+
+FloatArray = NDArray[np.float64]
+
+BALL_RADIUS = 0.022
+"""m, of toys on the table."""
+TABLE_X, TABLE_Y = (0.32, 0.66), 0.26
+"""m: where toys may lie, at 0.95 m between the heads; scaled with the distance."""
+WIDEST_DEG = 40.0
+"""A teacher does not turn further than this to either side."""
+TRIES = 20_000
+
+
+def look_at(target: FloatArray, distance: float) -> FloatArray:
+    """(..., 2) pan and tilt, rad, with which a teacher `distance` ahead, facing us, has (..., 3) targets in its view's
+    middle: the line midway between its cameras runs through them. Targets in the table's frame, m.
+    """
+    ahead, left = distance - target[..., 0], -target[..., 1]
+    level = np.hypot(ahead, left)
+    above = target[..., 2] - PAN_HEIGHT
+    tilt = np.arcsin(CAMERA_HEIGHT / np.hypot(level, above)) - np.arctan2(above, level)
+    return np.stack([np.arctan2(left, ahead), tilt], axis=-1)
+
+
+def separation(one: FloatArray, other: FloatArray, distance: float) -> FloatArray:
+    """(...) angle, rad, between (..., 3) places as seen from between the teacher's cameras at rest."""
+    eye = np.array([distance, 0.0, PAN_HEIGHT + CAMERA_HEIGHT])
+    a, b = one - eye, other - eye
+    cosine = (a * b).sum(-1) / (np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1))
+    return np.asarray(np.arccos(np.clip(cosine, -1, 1)))
+
+
+class View(NamedTuple):
+    """What a watcher can see of the table: half the field, and how its eyes are held."""
+
+    half_u: float
+    """tan of half the horizontal field."""
+    half_v: float
+    tilt: float
+    """rad, down."""
+    half_baseline: float
+    """m"""
+
+    def shows(self, place: FloatArray) -> NDArray[np.bool_]:
+        """(...) whether (..., 3) places of the table's frame are well inside both eyes' images."""
+        x, y, z = place[..., 0], place[..., 1], place[..., 2] - PAN_HEIGHT - CAMERA_HEIGHT
+        depth = x * np.cos(self.tilt) - z * np.sin(self.tilt)
+        up = x * np.sin(self.tilt) + z * np.cos(self.tilt)
+        margin = BALL_RADIUS + 0.01
+        wide = (np.abs(y) + self.half_baseline + margin) < self.half_u * depth
+        return np.asarray(wide & (np.abs(up) + margin < self.half_v * depth) & (depth > 0))
+
+
+def lay_out(
+    rng: np.random.Generator, count: int, distance: float, view: View, apart_deg: tuple[float, float]
+) -> FloatArray:
+    """(count, 3) toys on the table, every two at least `apart_deg[0]` and (for two toys) at most `apart_deg[1]` apart
+    as the teacher sees them.
+
+    Raises:
+        BodyError: no room for them.
+    """
+    scale = distance / 0.95
+    for _ in range(TRIES):
+        x, y = rng.uniform(*TABLE_X, count) * scale, rng.uniform(-TABLE_Y, TABLE_Y, count) * scale
+        if count == 2:  # close pairs are rare: lay the second one near the first
+            x[1], y[1] = x[0] + rng.normal(0, 0.05), y[0] + rng.normal(0, 0.05)
+        places = np.stack([x, y, np.full(count, BALL_RADIUS)], axis=-1)
+        if possible(places, distance, view, apart_deg):
+            return places
+    raise BodyError(f"no room on the table for {count} toys {apart_deg[0]:g} degrees apart; fewer, or closer")
+
+
+def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> bool:
+    """Whether both heads can look at all of these toys, and they lie as far apart as asked."""
+    turn = np.rad2deg(np.abs(look_at(places, distance)[:, 0]))
+    if not view.shows(places).all() or (turn > WIDEST_DEG).any():
+        return False
+    first, second = np.triu_indices(len(places), 1)
+    apart = np.rad2deg(separation(places[first], places[second], distance))
+    bearing = np.arctan2(places[:, 1], places[:, 0])
+    merged = np.abs(bearing[first] - bearing[second]) < 0.06
+    level = np.abs(np.arctan2(0.18, places[first, 0]) - np.arctan2(0.18, places[second, 0])) < 0.10
+    return bool((apart >= apart_deg[0]).all() and (apart <= apart_deg[1]).all() and not (merged & level).any())

@@ -1,0 +1,133 @@
+"""Oculomotor babbling on a head of pure geometry: no physics, no pixels, an exact oracle."""
+
+import numpy as np
+import pytest
+
+from babbling.errors import BabblingError
+from babbling.looking import LookingMind, Reach, Sight, copy_terms, pilot_looking, saccades
+from babbling.looking_storage import load_looking, save_looking
+from babbling.loop import babble, explore, flat
+from imitation.fixation import Fixation
+
+FOCAL, HALF = 138.6, np.array([79.5, 59.5])
+REACH = Reach(np.array([-0.6, -0.4]), np.array([0.6, 0.4]), np.array([0.5, 0.4]))
+
+
+class GeometricHead:
+    """Pan about the vertical, tilt about the carried lateral axis, two parallel eyes in the axes' crossing point."""
+
+    tick_s, fingerprint = 1.0, "geometric"
+    motor_low, motor_high = -np.ones(2), np.ones(2)
+
+    def __init__(self, copies: int = 24, toys: int = 12, seed: int = 0, noise: float = 0.03) -> None:
+        self.copies, self.noise = copies, noise
+        self.rng = np.random.default_rng(seed)
+        bearing, elevation = self.rng.uniform(-0.8, 0.8, (copies, toys)), self.rng.uniform(-0.6, 0.6, (copies, toys))
+        self.ways = np.stack(
+            [np.cos(elevation) * np.cos(bearing), np.cos(elevation) * np.sin(bearing), np.sin(elevation)], -1
+        )
+        self.sense_low = np.concatenate([[-1.0, -1.0], np.zeros(4 * toys)])
+        self.sense_high = np.concatenate([[1.0, 1.0], np.tile(2 * HALF, 2 * toys)])
+        self.posture = np.zeros((copies, 2))
+
+    def reset(self) -> np.ndarray:
+        self.posture = np.zeros((self.copies, 2))
+        return self._see()
+
+    def act(self, motors: np.ndarray) -> np.ndarray:
+        self.posture = 0.9 * motors + 0.01
+        return self._see()
+
+    def _see(self) -> np.ndarray:
+        pan, tilt = self.posture.T[:, :, None]
+        x = self.ways[..., 0] * np.cos(pan) + self.ways[..., 1] * np.sin(pan)
+        y = -self.ways[..., 0] * np.sin(pan) + self.ways[..., 1] * np.cos(pan)
+        forward = x * np.cos(tilt) - self.ways[..., 2] * np.sin(tilt)
+        up = x * np.sin(tilt) + self.ways[..., 2] * np.cos(tilt)
+        u, v = -FOCAL * y / forward, -FOCAL * up / forward
+        place = np.stack([u, v, u - 8.0, v], -1)
+        place += self.noise * self.rng.standard_normal(place.shape)
+        half = np.tile(HALF, 2)
+        seen = (np.abs(place) < half) & (forward > 0)[..., None]
+        seen = np.repeat(seen[..., 0::2] & seen[..., 1::2], 2, axis=-1)
+        senses = np.where(seen, place + half, np.nan)
+        return np.concatenate([self.posture, senses.reshape(self.copies, -1)], axis=1)
+
+
+@pytest.fixture(scope="module")
+def mind() -> LookingMind:
+    body = GeometricHead()
+    found = pilot_looking(body, REACH, 0)
+    model = babble(body, found, (20,) * 6, 0)
+    return LookingMind(found, model, 2.0)
+
+
+def test_predicts_unseen_saccades_of_both_motors_better_than_least_squares(mind: LookingMind) -> None:
+    body = GeometricHead(seed=9, noise=0.0)
+    stream = saccades(REACH, mind.pilot.efference, body.copies, np.random.default_rng(5), together=True)
+    before, motors, after = flat(*explore(body, stream, 20))
+    retina = mind.pilot.retina
+    was, now = retina.things(before), retina.things(after)
+    posture = np.repeat(before[:, None, :2], was.shape[1], 1)
+    change = np.repeat(mind.pilot.efference.postures(motors)[:, None], was.shape[1], 1) - posture
+    error = {}
+    for table in (True, False):
+        away = np.hypot(*np.moveaxis(mind.sight.expect(was, posture, change, table=table) - now, -1, 0)[:2])
+        error[table] = away[np.isfinite(away)].mean()
+    assert error[True] <= 0.3
+    assert error[True] <= error[False]
+
+
+def test_one_saccade_of_equation_one_brings_a_thing_to_the_middle(mind: LookingMind) -> None:
+    body = GeometricHead(seed=3, noise=0.0)
+    senses = body.reset()
+    things = mind.pilot.retina.things(senses)
+    central = (np.abs(things[..., :2]) < 0.7 * HALF).all(-1)
+    target = central.argmax(1)
+    use = central.any(1)
+    every = np.arange(body.copies)
+    saccade = Fixation(mind.sight, REACH).choose(
+        np.nan_to_num(things[every, target]), senses[:, :2], np.random.default_rng(0)
+    )
+    after = mind.pilot.retina.things(body.act(mind.pilot.efference.motors(senses[:, :2] + saccade.change)))
+    away = np.hypot(*after[every, target, :2].T)[use]
+    assert not saccade.uninformed[use].any()
+    assert away.max() < 0.8
+    np.testing.assert_allclose(saccade.posterior[0].probability[use].sum(1), 1.0)
+
+
+def test_efference_copy_says_that_nothing_moves_when_nothing_is_done() -> None:
+    assert not copy_terms(np.zeros(3), np.ones(3), np.ones(3), np.ones(3)).any()
+    assert copy_terms(np.ones(1), *np.ones((3, 1))).shape == (1, 15)
+
+
+def test_a_mind_survives_its_file(mind: LookingMind, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    save_looking(mind, tmp_path / "eyes.nc")
+    again = load_looking(tmp_path / "eyes.nc")
+    np.testing.assert_array_equal(again.forward_model.counts, mind.forward_model.counts)
+    things, posture, change = np.array([[10.0, -5.0, 2.0, -5.0]]), np.zeros((1, 2)), np.array([[0.2, -0.1]])
+    np.testing.assert_array_equal(
+        Sight(again.reading, again.forward_model).expect(things, posture, change),
+        mind.sight.expect(things, posture, change),
+    )
+
+
+def test_damaged_and_foreign_files_are_refused(mind: LookingMind, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    save_looking(mind, tmp_path / "eyes.nc")
+    whole = (tmp_path / "eyes.nc").read_bytes()
+    (tmp_path / "cut.nc").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(BabblingError, match="not a readable"):
+        load_looking(tmp_path / "cut.nc")
+    with pytest.raises(BabblingError, match="no such file"):
+        load_looking(tmp_path / "none.nc")
+    stranger = GeometricHead(copies=1)
+    stranger.fingerprint = "other"  # type: ignore[misc]
+    with pytest.raises(BabblingError, match="another body"):
+        mind.check(stranger)
+
+
+def test_nothing_to_look_at_is_said(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    body = GeometricHead(copies=4)
+    body.ways[:] = [-1.0, 0.0, 0.0]
+    with pytest.raises(BabblingError, match="too\\s+little to look at"):
+        pilot_looking(body, REACH, 0)
