@@ -10,7 +10,8 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from babbling.errors import BabblingError
-from experiments.experiment import ExperimentError, check_out, folder, publish
+from experiments.errors import ExperimentError
+from experiments.experiment import check_out, folder, publish
 from experiments.registry import EXPERIMENTS, entry
 from models.errors import BodyError
 

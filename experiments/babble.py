@@ -8,11 +8,13 @@ from rich.console import Console
 from rich.markdown import Markdown
 
 from babbling.storage import check_kind
-from experiments.experiment import ExperimentError, as_json, try_writing
+from experiments.errors import ExperimentError
+from experiments.experiment import as_json, try_writing
 from experiments.gesture import curve_metrics
 from experiments.gesture_figures import learning_curve
 from experiments.minds import DEFAULT_MINUTES, BodyOptions, check_minutes, learn_mind, save_learned
 from experiments.progress import progress
+from experiments.script import script
 
 
 @dataclass(frozen=True)
@@ -92,12 +94,5 @@ def check_file(out: Path) -> None:
         ) from error
 
 
-def main() -> int:
-    """`python -m experiments.babble`."""
-    from experiments.__main__ import main as command_line
-
-    return command_line(["babble", *sys.argv[1:]])
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script("babble"))

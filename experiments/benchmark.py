@@ -1,5 +1,6 @@
 """Peers in one table: same body, same babbling, same loop, each inverse model at its best gain; and what it costs."""
 
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,12 +15,15 @@ from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
 from babbling.mind import Mind
 from experiments import maze_benchmark
 from experiments.baselines import direct_replay, replay_commands, rmse_deg
-from experiments.experiment import ExperimentError, Result
-from experiments.gesture import TrueAngles, curve_metrics
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
+from experiments.gesture import curve_metrics
 from experiments.gesture_figures import learning_curve
 from experiments.minds import COPIES, DEFAULT_MINUTES, BodyOptions, Curve, LearningCurve, learn_mind
 from experiments.peers import MLPInverse, have_sklearn
+from experiments.performed import TrueAngles
 from experiments.progress import progress
+from experiments.script import script
 from experiments.watching import watch
 from imitation.inverse import BayesianInverse, InverseModel, LinearInverse
 from imitation.loop import imitate
@@ -212,3 +216,7 @@ def bars(table: dict[str, dict[str, float]]) -> Figure:
     axis.set_title("Same body, same babbling, same loop, each at its best gain")
     axis.legend(frameon=False, fontsize=8)
     return figure
+
+
+if __name__ == "__main__":
+    sys.exit(script("benchmark"))

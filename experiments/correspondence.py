@@ -17,7 +17,8 @@ from babbling.storage import load_mind
 from experiments.correspondence_acts import Acts, act_study
 from experiments.correspondence_figures import figures
 from experiments.correspondence_recording import record
-from experiments.experiment import ExperimentError, Result
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
 from experiments.minds import COPIES, BodyOptions
 from experiments.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
 from experiments.progress import progress

@@ -18,11 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from matplotlib.figure import Figure
 
-from babbling.errors import BabblingError
-
-
-class ExperimentError(BabblingError):
-    """Something about an experiment's options that the user can mend."""
+from experiments.errors import ExperimentError
 
 
 class Config(Protocol):

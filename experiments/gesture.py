@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.baselines import direct_replay, rmse_deg
-from experiments.experiment import ExperimentError, Result
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
 from experiments.gesture_figures import figures
 from experiments.gesture_recording import record
 from experiments.minds import DEFAULT_MINUTES, BodyOptions, Learned, check_minutes, learn_mind, take_mind
@@ -21,7 +22,9 @@ from experiments.mirrors import (
     take_image,
     through_mirror,
 )
+from experiments.performed import Performed, TrueAngles
 from experiments.progress import progress
+from experiments.script import script
 from experiments.watching import Seen, retarget_metrics, watch
 from imitation.inverse import LinearInverse
 from imitation.loop import Attempt, imitate
@@ -65,47 +68,6 @@ class Config:
     """Worker threads; the result does not depend on it."""
     out: Path | None = None
     """Folder for the results (runs/gesture)."""
-
-
-@dataclass(frozen=True)
-class Performed:
-    """Everything that one run of the experiment produced, for figures and the recording."""
-
-    config: Config
-    body: SimulatedBody
-    seen: Seen
-    learned: Learned
-    attempts: list[Attempt]
-    replayed: NDArray[np.float64]
-    metrics: dict[str, Any]
-    summary: str
-
-    @property
-    def imitated(self) -> NDArray[np.float64]:
-        """(T, J) true joint angles of the last attempt."""
-        return self.attempts[-1].truth[:, 0]
-
-    @property
-    def factors(self) -> NDArray[np.intp]:
-        """(J,) factor of each joint, by the sense it moves."""
-        labels = [self.body.sense_labels[line] for line in self.learned.mind.pilot.schema.posture]
-        return np.array([labels.index(joint) if joint in labels else 0 for joint in self.body.joints])
-
-    @property
-    def busiest(self) -> NDArray[np.intp]:
-        """Joints by how much they move, most first."""
-        return np.argsort(-self.seen.angles.std(0), kind="stable")
-
-
-class TrueAngles:
-    """Reads the body's joint angles, for those who judge."""
-
-    def __init__(self, body: SimulatedBody) -> None:
-        self.body = body
-
-    def read(self) -> NDArray[np.float64]:
-        """(B, J)."""
-        return self.body.joint_angles
 
 
 def run(config: Config) -> Result:
@@ -154,8 +116,10 @@ def run(config: Config) -> Result:
     )[0]
     replayed = direct_replay(body, seen.angles)
     metrics = measure(config, body, seen, learned, attempts, peer, replayed)
-    done = Performed(config, body, seen, learned, attempts, replayed, metrics, summarise(metrics, seen))
-    return Result(metrics, done.summary, figures(done), lambda path: record(path, done))
+    done = Performed(
+        config.robot, config.seed, body, seen, learned, attempts, replayed, metrics, summarise(metrics, seen)
+    )
+    return Result(metrics, summary, figures(done), lambda path: record(path, done))
 
 
 def measure(
@@ -235,12 +199,5 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
     return "\n".join([title, "", "| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
 
 
-def main() -> int:
-    """`python -m experiments.gesture`."""
-    from experiments.__main__ import main as command_line
-
-    return command_line(["gesture", *sys.argv[1:]])
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script("gesture"))

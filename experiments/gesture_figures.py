@@ -1,16 +1,10 @@
 """Figures of `imitate gesture`."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.minds import LearningCurve
-
-if TYPE_CHECKING:
-    from experiments.gesture import Performed
+from experiments.performed import Performed
 
 BLUE, ORANGE, GREY = "#3b6fd4", "#e8722a", "#8a8a8a"
 

@@ -1,15 +1,13 @@
 """The recording of `imitate gesture`: teacher and imitator side by side, and every belief on the way."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
+from experiments.performed import Performed
 from experiments.recording import (
     DEMONSTRATED,
     IMITATED,
@@ -24,9 +22,6 @@ from experiments.recording import (
 )
 from models.shapes import parts
 
-if TYPE_CHECKING:
-    from experiments.gesture import Performed
-
 SHOWN = 3
 """Joints that move most, whose beliefs are shown."""
 BESIDE = 0.55
@@ -38,7 +33,7 @@ TEACHER_HEIGHT = 0.5
 def record(path: Path, done: Performed) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
-    name = f"{done.seen.movement.name} by {done.config.robot}, seed {done.config.seed}"
+    name = f"{done.seen.movement.name} by {done.robot}, seed {done.seed}"
     with recording(path, "imitate-gesture", name, blueprint(joints)) as stream:
         stream.log("summary", rr.TextDocument(done.summary, media_type=rr.MediaType.MARKDOWN), static=True)
         _log_world(stream, done)

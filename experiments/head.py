@@ -20,7 +20,8 @@ from experiments.caregiver import (
     search,
     watch_teacher,
 )
-from experiments.experiment import ExperimentError, Result
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
 from experiments.eyes import EyeOptions, reach_of
 from experiments.head_recall import in_new_process, reproduce
 from experiments.progress import progress

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from babbling.mind import Mind
 from babbling.storage import load_mind
-from experiments.experiment import ExperimentError
+from experiments.errors import ExperimentError
 from imitation.head_memory import HeadMemory, load_head_memory
 from imitation.loop import Witness, imitate
 from imitation.movement import Movement

@@ -3,6 +3,7 @@
 The same forward model, Eq. (1) and Eq. (2) as for every other body; the maze is one more.
 """
 
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,8 @@ import tyro
 from matplotlib.figure import Figure
 
 from babbling.axes import Axis, FloatArray
-from experiments.experiment import ExperimentError, Result
+from experiments.errors import ExperimentError
+from experiments.experiment import Result
 from experiments.maze_figures import figure_5, figure_6, figure_7, learning_curve
 from experiments.maze_learning import Curve, walkers
 from experiments.maze_mind import (
@@ -30,6 +32,7 @@ from experiments.maze_mind import (
 from experiments.maze_recall import in_new_process, recall
 from experiments.maze_recording import record
 from experiments.progress import progress
+from experiments.script import script
 from imitation.deferred import remember, save_memory
 from imitation.follow import Journey
 from imitation.intent import in_blocks
@@ -291,3 +294,7 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
 | events on the way | {events} |
 | intent, unseen walk of {intent["steps"]} steps to goal {intent["goal"]} | {right} |
 """
+
+
+if __name__ == "__main__":
+    sys.exit(script("maze"))

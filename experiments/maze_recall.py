@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from babbling.moves import Wanderer
-from experiments.experiment import ExperimentError
+from experiments.errors import ExperimentError
 from experiments.maze_mind import Experience, imitate
 from imitation.deferred import load_memory
 from imitation.follow import Decisions, Journey

@@ -14,7 +14,7 @@ from babbling.loop import babble, bouts, experience, flat
 from babbling.mind import Mind, Temper
 from babbling.pilot import Pilot, pilot
 from babbling.storage import load_mind, save_mind
-from experiments.experiment import ExperimentError
+from experiments.errors import ExperimentError
 from imitation.rehearsal import rehearse
 from models.body import SimulatedBody
 from models.loading import load_body

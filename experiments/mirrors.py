@@ -15,7 +15,7 @@ from babbling.image_storage import load_image
 from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
-from experiments.experiment import ExperimentError
+from experiments.errors import ExperimentError
 from experiments.minds import BodyOptions
 from experiments.watching import Seen
 from imitation.correspondence import SubGoals, correspond

@@ -25,9 +25,7 @@ EXPERIMENTS: dict[str, Entry] = {
     "babble": Entry("babble", "a robot babbles and leaves its forward model in a file; interrupted, it goes on"),
     "saccades": Entry("saccades", "a head looks about, learns what its movements do to what it sees, and fixates"),
     "head": Entry("head", "a head watches another nod, shake and look around, and does the same, at once or later"),
-    "gaze": Entry(
-        "gaze", "a teacher turns to a toy; the imitator infers which by its own forward model and looks there"
-    ),
+    "gaze": Entry("gaze", "a teacher turns to a toy; the imitator infers which, by its own forward model, and looks"),
     "maze": Entry("maze", "the chapter's maze: wander, watch, imitate, infer intent, with its figures and its claims"),
     "correspondence": Entry("correspondence", "a mirror, organ identification, anybody's movements in one's own limbs"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
-from babbling.forward_model import interpolate
+from babbling.grids import interpolate
 from babbling.looking import Reach, Sight
 from imitation.bayes import ActionPosterior, action_posterior
 from imitation.selection import selection_rule

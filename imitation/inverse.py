@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
-from babbling.forward_model import ForwardModel, interpolate
+from babbling.forward_model import ForwardModel
+from babbling.grids import interpolate
 from imitation.bayes import ActionPosterior, action_posterior
 from imitation.selection import selection_rule
 

@@ -42,7 +42,7 @@ def made_up_movement(body: Body, mind: Mind, rng: np.random.Generator, seconds: 
 
 
 def felt_errors(body: Body, mind: Mind, inverse: InverseModel, seed: int) -> FloatArray:
-    """(B, F) root mean square of believed posture minus goal in the worst made-up movement, copy b with EAGERNESS[b]."""
+    """(B, F) root mean square of believed posture minus goal, the worst movement's; copy b has EAGERNESS[b]."""
     worst = np.zeros((body.copies, len(mind.forward_model.factors)))
     for number in range(MOVEMENTS):
         movement = made_up_movement(body, mind, np.random.default_rng([seed, 4, number]))

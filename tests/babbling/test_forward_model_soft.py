@@ -10,7 +10,8 @@ from scipy.stats import norm
 
 from babbling.axes import Axis, FloatArray
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel, hat_mass, interpolate
+from babbling.forward_model import ForwardModel
+from babbling.grids import hat_mass, interpolate
 
 seeds = st.integers(0, 2**32 - 1)
 
