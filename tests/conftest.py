@@ -1,14 +1,19 @@
 """Shared fixtures: where outside data stands, when it does."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+import babbling.loop
+import experiments.minds
+import imitation.movement
+import imitation.rehearsal
 from babbling.mind import Mind, learn
-from imitation.rehearsal import made_up_movement
 from models.loading import load_body
 
 os.environ.setdefault("MUJOCO_GL", "disabled")
@@ -82,9 +87,19 @@ def arm_mind(arm: Path) -> Mind:
 
 @pytest.fixture(scope="module")
 def hasty() -> Iterator[None]:
-    """Babble with 8 copies instead of the many that fill a processor, and rehearse for a moment."""
+    """Babble with few copies in short bouts, rehearse for a moment, draw coarsely."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("experiments.minds.COPIES", 8)
-        patch.setattr("experiments.minds.BARE_TICKS", 10)
-        patch.setattr(made_up_movement, "__defaults__", (1.0,))
+        hurry(patch.setattr)
         yield
+
+
+def hurry(replace: Callable[[Any, str, Any], None]) -> None:
+    """What takes long only to be good for a robot of 25 joints, made short."""
+    replace(experiments.minds, "COPIES", 8)
+    replace(experiments.minds, "BARE_TICKS", 10)
+    replace(babbling.loop, "BOUT_TICKS", 150)
+    replace(imitation.movement, "APPROACH_S", 1.0)
+    replace(imitation.rehearsal, "MOVEMENTS", 1)
+    replace(imitation.rehearsal.made_up_movement, "__defaults__", (1.0,))
+    save = Figure.savefig
+    replace(Figure, "savefig", lambda figure, path, **_: save(figure, path, dpi=20))
