@@ -116,9 +116,8 @@ def run(config: Config) -> Result:
     )[0]
     replayed = direct_replay(body, seen.angles)
     metrics = measure(config, body, seen, learned, attempts, peer, replayed)
-    done = Performed(
-        config.robot, config.seed, body, seen, learned, attempts, replayed, metrics, summarise(metrics, seen)
-    )
+    summary = summarise(metrics, seen)
+    done = Performed(config.robot, config.seed, body, seen, learned, attempts, replayed, metrics, summary)
     return Result(metrics, summary, figures(done), lambda path: record(path, done))
 
 
