@@ -10,6 +10,7 @@ from experiments.__main__ import main
 from experiments.experiment import as_json
 from experiments.maze import Config, run
 from experiments.maze_benchmark import rows
+from experiments.maze_imitators import Imitators
 from experiments.maze_learning import CHECKPOINTS, expected_distance, outings, walkers
 from experiments.maze_mind import UNSEEN, infer, junctions, teach, watched
 from experiments.maze_planners import (
@@ -22,7 +23,8 @@ from experiments.maze_planners import (
     steps_to_go,
     wanderers,
 )
-from experiments.maze_study import IMITATION_BUDGETS, Imitators, reliable_from, study
+from experiments.maze_study import study
+from experiments.maze_trials import IMITATION_BUDGETS, reliable_from
 from imitation.deferred import load_memory
 from imitation.priors import ActionPriors
 from models.maze import TRUE_DYNAMICS, MazeBody, default_maze, parse_maze
@@ -285,10 +287,16 @@ def test_benchmark_rows_agree_with_bare_numpy(monkeypatch):
 
 @pytest.mark.parametrize("text", [TINY, "+--+--+--+\n| *     1|\n+--+--+--+\n"], ids=["room", "corridor"])
 def test_a_small_study_measures_every_claim(text, monkeypatch):
-    small = {"CURVE_STEPS": 600, "CURVE_WALKERS": 5, "SEEDS": 4, "WALKS": 3, "LEARNERS": 4}
-    budgets = {"WANDER_BUDGETS": IMITATION_BUDGETS, "Q_BUDGETS": (300, 600), "REPLAN_BUDGETS": (300, 350)}
-    for name, value in {**small, **budgets}.items():
-        monkeypatch.setattr(f"experiments.maze_study.{name}", value)
+    small = {"CURVE_STEPS": 600, "CURVE_WALKERS": 5, "SEEDS": 4, "WALKS": 3}
+    budgets = {
+        "LEARNERS": 4,
+        "WANDER_BUDGETS": IMITATION_BUDGETS,
+        "Q_BUDGETS": (300, 600),
+        "REPLAN_BUDGETS": (300, 350),
+    }
+    for module, values in (("study", small), ("trials", budgets)):
+        for name, value in values.items():
+            monkeypatch.setattr(f"experiments.maze_{module}.{name}", value)
     maze, told = parse_maze(text), []
     found = study(maze, 0, 2, 100, 0.1, told.append)
     per_goal = {str(goal + 1) for goal in range(len(maze.goals))}
