@@ -5,6 +5,7 @@ A file holds numbers and labels, never code. It is written beside its name and r
 """
 
 import os
+import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import fields
@@ -28,6 +29,11 @@ FORMAT, VERSION = "imitation-laboratory mind", 1
 LARGEST_BYTES = 1 << 30
 LARGEST_CELLS = 1 << 28
 LARGEST_UNPACKED = 1 << 32
+LEAST_EXPERIENCE = 10
+"""Transitions per factor below which no line can be fitted."""
+_DYNAMICS = {
+    "transition": (3, 3), "control": (3,), "offset": (3,), "noise": (3, 3), "bias_variance": (), "coasting": (),
+}  # fmt: skip
 _DIMS = {
     "posture": ("factor",), "rate": ("factor",), "offset": ("factor",), "slope": ("factor",), "noise": ("factor",),
     "rate_noise": ("factor",), "information": ("factor", "sense"),
@@ -109,7 +115,9 @@ def read_dataset(path: Path, kind: str, version: int) -> xr.Dataset:
     if unpacked > LARGEST_UNPACKED:
         raise BabblingError(f"{path}: unpacks to {unpacked} bytes; more than {LARGEST_UNPACKED} are not read")
     try:
-        dataset = xr.load_dataset(path, engine="h5netcdf")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what matters is checked; a stranger's file is not to talk to the user
+            dataset = xr.load_dataset(path, engine="h5netcdf")
     except Exception as error:  # h5py, h5netcdf and xarray raise many kinds on damaged files
         raise BabblingError(f"{path}: this NetCDF-4 file is damaged; make it anew") from error
     found = dataset.attrs.get("version")
@@ -167,10 +175,10 @@ def _mind(dataset: xr.Dataset) -> Mind:
         raise ValueError("counts must be a bounded (factor, rate, action, outcome) table of non-negative integers")
     factors = counts.shape[0]
 
-    def array(name: str) -> Any:
+    def array(name: str, *each: int) -> Any:
         value = dataset[name].to_numpy().copy()
-        if value.ndim < 1 or value.shape[0] != factors or value.dtype.kind not in "fi" or not np.isfinite(value).all():
-            raise ValueError(f"{name!r} is not {factors} rows of finite numbers")
+        if value.shape != (factors, *each) or value.dtype.kind not in "fi" or not np.isfinite(value).all():
+            raise ValueError(f"{name!r} is not {factors} rows of {each} finite numbers")
         return value
 
     sizes = dict(zip(("rate", "action", "outcome"), counts.shape[1:], strict=True))
@@ -178,8 +186,10 @@ def _mind(dataset: xr.Dataset) -> Mind:
         name: Axis(name, str(dataset[f"{name}_low"].attrs["units"]), array(f"{name}_low"), array(f"{name}_high"), size)
         for name, size in sizes.items()
     }
-    schema = BodySchema(**{name: array(f"schema_{name}") for name in _DIMS})
-    senses = schema.information.shape[1]
+    senses = int(dataset["schema_information"].shape[1])
+    schema = BodySchema(**{name: array(f"schema_{name}", *(senses,) * (len(dims) - 1)) for name, dims in _DIMS.items()})
+    if (schema.slope == 0).any() or (schema.noise <= 0).any() or (schema.rate_noise <= 0).any():
+        raise ValueError("a motor that does nothing, or a sense without any noise")
     for lines in (schema.posture, schema.rate):
         if lines.dtype.kind != "i" or (lines < 0).any() or (lines >= senses).any():
             raise ValueError("a sense line that does not exist")
@@ -187,7 +197,7 @@ def _mind(dataset: xr.Dataset) -> Mind:
         schema=schema,
         motors=MotorRange(**{field.name: array(f"motor_{field.name}") for field in fields(MotorRange)}),
         coasting=array("coasting"),
-        dynamics=LinearDynamics(**{name: array(f"dynamics_{name}") for name in LinearDynamics._fields}),
+        dynamics=LinearDynamics(**{name: array(f"dynamics_{name}", *more) for name, more in _DYNAMICS.items()}),
         **axes,
         minutes=float(dataset.attrs["pilot_minutes"]),
     )
@@ -196,8 +206,11 @@ def _mind(dataset: xr.Dataset) -> Mind:
         factors=[str(label) for label in dataset["factor"].to_numpy()],
         prior_strength=float(dataset.attrs["prior_strength"]),
     )  # fmt: skip
-    if model.unit != int(dataset.attrs["unit"]) or array("moments").shape != model.moments.sums.shape:
+    if model.unit != int(dataset.attrs["unit"]):
         raise ValueError("counts of another unit")
-    model.counts[:], model.moments.sums[:], model.outside[:] = counts.to_numpy(), array("moments"), array("outside")
+    model.counts[:], model.outside[:] = counts.to_numpy(), array("outside")
+    model.moments.sums[:] = array("moments", *model.moments.sums.shape[1:])
+    if (model.moments.samples < LEAST_EXPERIENCE).any():
+        raise ValueError("next to no experience")
     temper = Temper(array("eagerness"), array("habit"))
     return Mind(str(dataset.attrs["fingerprint"]), int(dataset.attrs["seed"]), pilot, model, temper)

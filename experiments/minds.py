@@ -200,6 +200,7 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
             "babbling_body_minutes": per_factor * options.body(1).tick_s / 60,
             "pilot_body_minutes": mind.pilot.minutes,
             "babbling_wall_s": 0.0,
+            "babbling_efficiency_factor": None,  # nobody babbled
             "babbling_outside": int(model.outside.sum()),
         },
     )

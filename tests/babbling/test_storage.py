@@ -31,6 +31,17 @@ def fill(name: str, value: float) -> Callable[[h5py.File], None]:
     return lambda f: f[name].__setitem__(..., value)
 
 
+def widen(name: str) -> Callable[[h5py.File], None]:
+    def spoil(f: h5py.File) -> None:
+        del f[name]
+        f.create_dataset(name, data=np.ones((3, 3, 3, 3)))
+        scale = f["factor"]
+        for i in range(4):
+            f[name].dims[i].attach_scale(scale)
+
+    return spoil
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
@@ -44,6 +55,10 @@ def fill(name: str, value: float) -> Callable[[h5py.File], None]:
         (fill("schema_posture", 99), "a sense line that does not exist"),
         (fill("coasting", np.nan), "finite numbers"),
         (fill("dynamics_noise", np.inf), "finite numbers"),
+        (fill("schema_slope", 0.0), "a motor that does nothing"),
+        (fill("moments", 0), "next to no experience"),
+        (widen("coasting"), "'coasting' is not 3 rows"),
+        (widen("dynamics_control"), "'dynamics_control' is not 3 rows"),
         (fill("rate_high", -1e9), "low must lie below high"),
     ],
 )

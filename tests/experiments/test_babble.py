@@ -1,5 +1,6 @@
 """`imitate babble`: interrupted and resumed is uninterrupted, and what is in the way is refused."""
 
+import json
 import os
 import signal
 import subprocess
@@ -116,7 +117,10 @@ def test_the_file_works_where_it_was_made_for(whole: Path, arm: Path, wave: Path
     assert notes["robot"] == str(arm) and float(notes["minutes"]) == 1
     words = ["gesture", "--robot", str(arm), "--demonstration", str(wave), "--forward-model", str(whole)]
     assert main([*words, "--out", str(tmp_path / "g")]) == 0
-    assert np.isfinite(mind.forward_model.predictive).all()
+    told = json.loads((tmp_path / "g" / "metrics.json").read_text())
+    assert told["babbling_transitions"] == mind.forward_model.transitions
+    assert told["babbling_body_minutes"] == pytest.approx(1, rel=0.01)
+    assert told["babbling_efficiency_factor"] is None  # nobody babbled
 
 
 @pytest.mark.parametrize(
