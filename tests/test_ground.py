@@ -12,7 +12,7 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-LONGEST_FILE = 300
+LONGEST_FILE, LONGEST_TEST = 350, 450  # aim at 150, ask why above 300; tests may list more cases
 HOSTS = re.compile(r"pypi[.]org|pythonhosted[.]org|pypi[.]python[.]|anaconda[.]org|npmjs[.]|crates[.]io", re.I)
 INDEX = re.compile(r"--(?:extra-)?index[-]url|--find[-]links|--trusted[-]host|--default[-]index|index[-]url\s*=", re.I)
 MACHINE = re.compile(r"(?<![\w.}*])/(?:home|root|Users|work|tmp/\w)/\w|[A-Z]:\\Users")
@@ -72,7 +72,8 @@ def test_nothing_generated_is_tracked() -> None:
 
 def test_python_files_hold_one_concept_each() -> None:
     lengths = {str(p.relative_to(ROOT)): len(p.read_text().splitlines()) for p in tracked() if p.suffix == ".py"}
-    assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
+    limits = {name: LONGEST_TEST if name.startswith("tests") else LONGEST_FILE for name in lengths}
+    assert {name: length for name, length in lengths.items() if length > limits[name]} == {}
 
 
 @pytest.mark.parametrize("name", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE"])
@@ -117,7 +118,7 @@ def locked() -> dict[str, tuple[str, list[str]]]:
 def test_the_lock_file_holds_every_dependency_within_its_bounds() -> None:
     lock = locked()
     assert all(hashes for _, hashes in lock.values())
-    for one in required():
+    for one in [*PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"]["dev"]]:
         requirement = Requirement(one)
         version, _ = lock[canonicalize_name(requirement.name)]
         assert requirement.specifier.contains(version), f"{one}, locked at {version}: run make lock"
