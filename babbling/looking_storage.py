@@ -8,7 +8,8 @@ import xarray as xr
 
 from babbling.axes import Axis
 from babbling.errors import BabblingError
-from babbling.looking import COPY_TERMS, Efference, LookingMind, LookingPilot, Reach, Retina
+from babbling.looking import COPY_TERMS, Efference, LookingPilot, Reach, Retina
+from babbling.sight import LookingMind
 from babbling.storage import LARGEST_CELLS, read_dataset, write_dataset
 
 FORMAT, VERSION = "imitation-laboratory eyes", 1

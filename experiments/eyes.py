@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.forward_model import ForwardModel
-from babbling.looking import LookingMind, Reach, pilot_looking
+from babbling.looking import Reach, pilot_looking
 from babbling.loop import BOUT_TICKS, babble
+from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from imitation.finding import Finder
 from imitation.seeing import COLOURS

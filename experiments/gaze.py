@@ -1,5 +1,6 @@
 """A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -7,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import LookingMind
 from babbling.looking_storage import load_looking, save_looking
+from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.experiment import Result
 from experiments.eyes import EyeOptions, learn_to_look, nursery
@@ -28,6 +29,7 @@ from experiments.gaze_trials import (
     table_body,
 )
 from experiments.progress import progress
+from experiments.script import script
 from imitation.gaze import GazeReader, Preferences, calibration_error
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.heads import head_facts
@@ -272,3 +274,7 @@ def _summary(metrics: dict[str, Any]) -> str:
     ]  # fmt: skip
     table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
     return f"# {metrics['robot']} follows gaze\n\n{table}\n"
+
+
+if __name__ == "__main__":
+    sys.exit(script("gaze"))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import beta
 
-from babbling.looking import LookingMind
+from babbling.sight import LookingMind
 from experiments.gaze_infer import infer
 from experiments.gaze_trials import TOYS, Scene, Trials, run_trials
 from imitation.finding import Finder

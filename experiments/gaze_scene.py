@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import LookingMind
+from babbling.sight import LookingMind
 from experiments.caregiver import FACE, NUMBERS
 from experiments.gaze_trials import LABELS, TOYS, Scene, split, table_body
 from imitation.fixation import Fixation

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import LookingMind
+from babbling.sight import LookingMind
 from experiments.caregiver import FACE, NUMBERS, TURN_S, group
 from experiments.eyes import EyeOptions
 from imitation.finding import Measurer
@@ -147,7 +147,7 @@ def run_trials(
         image = image or body.images[0]
         face, things, area = split(senses, mind)
         pose = np.stack([_pose(appearance, one) for one in face])
-        seen = np.isfinite(face.reshape(copies, len(FACE), 2, NUMBERS)[:, EYES_OF_FACE, :, 0]).any((1, 2))
+        seen = np.isfinite(face.reshape(copies, len(FACE), 2, NUMBERS)[:, list(EYES_OF_FACE), :, :][..., 0]).any((1, 2))
         rows.append((
             places, target, body.teacher_angles, things[:, indices], np.sqrt(np.maximum(area[:, indices], 1.0)), pose,
             seen, senses[:, 1], np.full((copies, 2), np.nan),

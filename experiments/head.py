@@ -1,15 +1,16 @@
 """A head watches another head nod, shake and look around, remembers it, and does the same: at once or another day."""
 
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.mind import Mind, learn
-from babbling.storage import load_mind, save_mind
+from babbling.storage import save_mind
 from experiments.caregiver import (
     FRAME_S,
     Occlusion,
@@ -23,10 +24,13 @@ from experiments.caregiver import (
 from experiments.errors import ExperimentError
 from experiments.experiment import Result
 from experiments.eyes import EyeOptions, reach_of
-from experiments.head_recall import in_new_process, reproduce
+from experiments.head_alone import from_memory, nobody
+from experiments.head_recall import in_new_process, reproduce, rms_deg
+from experiments.head_seen import Performed, Seen
 from experiments.progress import progress
-from imitation.head_memory import HeadMemory, load_head_memory, save_head_memory
-from imitation.pose import Appearance, Watched, watch
+from experiments.script import script
+from imitation.head_memory import HeadMemory, save_head_memory
+from imitation.pose import Appearance, watch
 from imitation.selection import selection_rule
 from models.biclops.movements import TICK_S, movement
 from models.heads import head_facts
@@ -97,29 +101,6 @@ class Config:
         return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
 
 
-class Seen(NamedTuple):
-    """One sequence, watched; ticks of 20 ms, angles in rad."""
-
-    path: FloatArray
-    """(T, 2) what the teacher meant to do."""
-    truth: FloatArray
-    """(T, 2) what it did, NaN between frames."""
-    numbers: FloatArray
-    """(T, M)"""
-    hidden: NDArray[np.bool_]
-    """(T,)"""
-    watched: Watched
-
-
-class Performed(NamedTuple):
-    """One sequence, reproduced; true angles of the imitator, rad."""
-
-    imitated: FloatArray
-    """(T, 2)"""
-    replayed: FloatArray
-    """(T, 2) the raw estimate of each frame sent to the servos."""
-
-
 def run(config: Config) -> Result:
     """Learn, watch, remember, imitate.
 
@@ -128,11 +109,11 @@ def run(config: Config) -> Result:
     """
     _check(config)
     if config.memory is not None:
-        return _from_memory(config)
+        return from_memory(config)
     with progress("looking for a face") as report:
         looked = _search(config)
     if not looked.found:
-        return _nobody(config, looked)
+        return nobody(config, looked)
     with progress("the caregiver mirrors") as report:
         appearance = lesson(config.eyes, config.lessons, config.seed, config.distance, report)
     with progress("babbling with the neck"):
@@ -227,12 +208,6 @@ def _perform(config: Config, mind: Mind, one: Seen, seed: int) -> Performed:
     return Performed(imitated, replayed)
 
 
-def rms_deg(estimates: list[FloatArray], truths: list[FloatArray]) -> float:
-    """Root mean square over sequences, frames and both axes, degrees; NaN truths are left out."""
-    away = np.concatenate([(e - t)[np.isfinite(t[:, 0])] for e, t in zip(estimates, truths, strict=True)])
-    return float(np.rad2deg(np.sqrt(np.mean(away**2))))
-
-
 def _result(
     config: Config,
     looked: Search,
@@ -302,54 +277,5 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
     return f"# {config.robot} imitates a head\n\n{table}\n"
 
 
-def _nobody(config: Config, looked: Search) -> Result:
-    from experiments.head_recording import record_search
-
-    where = ", ".join(f"{np.rad2deg(pan):.0f}" for pan in looked.pans)
-    summary = (
-        f"# {config.robot}: no face\n\nNo face was seen in {looked.looks} looks ({where} degrees of pan) and "
-        f"{looked.seconds:.1f} s; the search was given up (--search-s {config.search_s:g}). Nothing was imitated.\n"
-    )
-    metrics: dict[str, Any] = {
-        "robot": config.robot,
-        "face_found": False,
-        "search_s_simulated": looked.seconds,
-        "search_looks": looked.looks,
-        "head_estimate_rmse_deg": None,
-        "head_raw_estimate_rmse_deg": None,
-        "head_reproduced_rmse_deg": None,
-    }
-    return Result(metrics, summary, record=lambda path: record_search(path, looked, summary))
-
-
-def _from_memory(config: Config) -> Result:
-    assert config.memory is not None
-    memory = load_head_memory(config.memory)
-    memory.check(head_fingerprint(config.robot))
-    beside = config.memory.with_name("mind.nc")
-    if not beside.exists():
-        raise ExperimentError(f"--memory {config.memory}: its mind.nc must lie beside it; keep the run's folder whole")
-    mind, _ = load_mind(beside)
-    mind.check(watching_body(config.robot))
-    imitated = reproduce(memory, mind, config.robot, config.selection, config.seed)
-    away = rms_deg([imitated], [memory.pose])
-    metrics: dict[str, Any] = {
-        "robot": config.robot,
-        "movement": memory.name,
-        "deferred": True,
-        "sequences": 1,
-        "head_reproduced_against_memory_rmse_deg": away,
-    }
-    summary = (
-        f"# {config.robot} imitates from memory\n\n{memory.name}, {len(memory.pose) * memory.tick_s:.1f} s, remembered "
-        f"from {config.memory.name}: reproduced within {away:.3f} deg RMS of what was remembered.\n"
-    )
-    from experiments.head_figures import recalled
-    from experiments.head_recording import record_recall
-
-    return Result(
-        metrics,
-        summary,
-        {"recalled": recalled(memory, imitated)},
-        lambda path: record_recall(path, config, memory, imitated, summary),
-    )
+if __name__ == "__main__":
+    sys.exit(script("head"))

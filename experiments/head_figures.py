@@ -15,7 +15,7 @@ from imitation.pose import Appearance
 from models.biclops.movements import TICK_S
 
 if TYPE_CHECKING:
-    from experiments.head import Performed, Seen
+    from experiments.head_seen import Performed, Seen
 
 FloatArray = NDArray[np.float64]
 AXES = ("pan", "tilt")
@@ -94,7 +94,7 @@ def looks(appearance: Appearance) -> Figure:
 
 def errors(seen: list[Seen], performed: list[Performed]) -> Figure:
     """Every sequence's error, by kind of estimate."""
-    from experiments.head import rms_deg
+    from experiments.head_recall import rms_deg
 
     figure = Figure(figsize=(8, 3.8), layout="constrained")
     axes = figure.subplots()

@@ -21,7 +21,8 @@ from models.heads import head_facts, stage
 from models.onlooker import onlook
 
 if TYPE_CHECKING:
-    from experiments.head import Config, Performed, Seen
+    from experiments.head import Config
+    from experiments.head_seen import Performed, Seen
 
 FloatArray = NDArray[np.float64]
 AXES = ("pan", "tilt")

@@ -1,5 +1,6 @@
 """A head looks about at random and learns what its movements do to what it sees; then it looks where it wants to."""
 
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,22 +9,28 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import LookingMind, saccades
 from babbling.looking_storage import save_looking
-from babbling.loop import explore, flat
+from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.experiment import Result
 from experiments.eyes import COPIES, TOYS, EyeOptions, learn_to_look, nursery, toy_places
 from experiments.progress import progress
+from experiments.saccades_trials import (
+    Predicted,
+    copied,
+    expected,
+    fixate,
+    straight_lines,
+    unseen_saccades,
+    within_reach,
+)
+from experiments.script import script
 from imitation.fixation import Fixation, Saccade
 from models.heads import head_facts
 from models.onlooker import onlook
-from models.seeing_body import SeeingBody
 
 FloatArray = NDArray[np.float64]
 
-CENTRAL = 0.8
-"""Share of the field, along each side, in which things are to be fixated."""
 ONCE_PX, TWICE_PX = 1.5, 1.5
 """Pixels from the middle within which a thing counts as fixated after one saccade, after two."""
 TEST_SACCADES, STUDY_SACCADES = 10, 40
@@ -66,36 +73,6 @@ class Config:
     def eyes(self) -> EyeOptions:
         """How the eyes see."""
         return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
-
-
-class Predicted(NamedTuple):
-    """Unseen saccades of both motors: one row for each thing seen wholly before and after."""
-
-    before: FloatArray
-    """(N, 4) pixels from the middle, left and right eye."""
-    after: FloatArray
-    """(N, 4) where it was found afterwards."""
-    posture: FloatArray
-    """(N, 2) rad."""
-    change: FloatArray
-    """(N, 2) rad."""
-
-    def error(self, guess: FloatArray) -> FloatArray:
-        """(2 N) pixels between a guess (N, 4) and the truth, each eye by itself, where it saw the thing."""
-        away = np.hypot(guess[:, 0::2] - self.after[:, 0::2], guess[:, 1::2] - self.after[:, 1::2])
-        return away[np.isfinite(away)]
-
-
-class Fixated(NamedTuple):
-    """Trials of looking at something: pixels from the middle of the left eye, before and after one and two saccades."""
-
-    start: FloatArray
-    """(N, 2)"""
-    once: FloatArray
-    """(N,)"""
-    twice: FloatArray
-    """(N,)"""
-    uninformed: int
 
 
 class Glance(NamedTuple):
@@ -155,8 +132,8 @@ def babble_eyes(
                 unseen = unseen_saccades(mind, other, tests, seed)
             if done >= marks[len(curve.minutes)] - 1e-9 or not curve.minutes:
                 curve.minutes.append(mind.minutes + mind.pilot.minutes)
-                curve.table_px.append(float(unseen.error(_expect(mind, unseen)).mean()))
-                curve.line_px.append(float(unseen.error(_copy(mind, unseen)).mean()))
+                curve.table_px.append(float(unseen.error(expected(mind, unseen)).mean()))
+                curve.line_px.append(float(unseen.error(copied(mind, unseen)).mean()))
 
         mind = learn_to_look(body, minutes, seed, learned)
         babble_s = time.perf_counter() - start
@@ -164,7 +141,7 @@ def babble_eyes(
         speed = body.images_per_second()
         fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
     glances = tour(mind, eyes, selection, seed)
-    table, copy = unseen.error(_expect(mind, unseen)), unseen.error(_copy(mind, unseen))
+    table, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
     straight = unseen.error(straight_lines(mind, body, unseen, seed))
     metrics: dict[str, Any] = {
         "robot": eyes.robot,
@@ -199,98 +176,10 @@ def babble_eyes(
     return Result(
         metrics,
         summary,
-        figures(mind, unseen, _expect(mind, unseen), fixated, curve),
+        figures(mind, unseen, expected(mind, unseen), fixated, curve),
         lambda path: record(path, seen, head_facts(eyes.robot).table, glances, summary, name),
         {"eyes.nc": lambda path: save_looking(mind, path, robot=eyes.robot, seed=seed)},
     )
-
-
-def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) -> Predicted:
-    """Saccades of both motors at once among toys that were never looked at."""
-    stream = saccades(
-        mind.pilot.reach, mind.pilot.efference, body.copies, np.random.default_rng([seed, 77]), together=True
-    )
-    before, motors, after = flat(*explore(body, stream, count))
-    was, now = (mind.pilot.retina.things(s) for s in (before, after))
-    posture = before[:, mind.pilot.efference.posture]
-    change = mind.pilot.efference.postures(motors) - posture
-    things = was.shape[1]
-    rows = Predicted(
-        was.reshape(-1, 4),
-        now.reshape(-1, 4),
-        np.repeat(posture, things, axis=0),
-        np.repeat(change, things, axis=0),
-    )
-    seen = np.isfinite(rows.before + rows.after)
-    keep = seen[:, :2].all(1) | seen[:, 2:].all(1)
-    return Predicted(*(part[keep] for part in rows))
-
-
-def _expect(mind: LookingMind, trials: Predicted) -> FloatArray:
-    return mind.sight.expect(trials.before, trials.posture, trials.change)
-
-
-def _copy(mind: LookingMind, trials: Predicted) -> FloatArray:
-    """The least-squares peer: the efference copy's account alone, chained in the same way."""
-    return mind.sight.expect(trials.before, trials.posture, trials.change, table=False)
-
-
-def straight_lines(mind: LookingMind, body: SeeingBody, trials: Predicted, seed: int) -> FloatArray:
-    """One straight line for each image coordinate, fitted to other saccades of both motors: the plainest peer."""
-    fit = unseen_saccades(mind, body, 10, seed + 1)
-    guess = np.full_like(trials.before, np.nan)
-    for c in range(4):
-        eye = slice(2 * (c // 2), 2 * (c // 2) + 2)
-        use = np.isfinite(fit.before[:, eye].sum(1) + fit.after[:, c])
-        inputs = [
-            np.column_stack([np.ones(len(t.before)), t.before[:, eye], t.posture, t.change]) for t in (fit, trials)
-        ]
-        line = np.linalg.lstsq(inputs[0][use], (fit.after - fit.before)[use, c], rcond=None)[0]
-        guess[:, c] = trials.before[:, c] + inputs[1] @ line
-    return guess
-
-
-def fixate(
-    mind: LookingMind, body: SeeingBody, rounds: int, selection: str, seed: int, report: Any = lambda done: None
-) -> Fixated:
-    """Look at toys seen anywhere in the central part of the left eye's field: one saccade, and a second."""
-    fixation = Fixation(mind.sight, mind.pilot.reach, selection)
-    rng = np.random.default_rng([seed, 78])
-    reach, efference, retina = mind.pilot.reach, mind.pilot.efference, mind.pilot.retina
-    starts, errors, uninformed = [], [], 0
-    copies = np.arange(body.copies)
-    for round_ in range(rounds):
-        body.reset()
-        middle = (reach.low + reach.high) / 2
-        posture = middle + (reach.high - reach.low) / 2 * 0.4 * (2 * rng.random((body.copies, 2)) - 1)
-        senses = body.act(efference.motors(posture))
-        things = retina.things(senses)
-        target = np.full(body.copies, -1)
-        for copy in copies:
-            central = np.abs(things[copy, :, :2]) < CENTRAL * retina.half[:2]
-            possible = np.flatnonzero(central.all(1) & within_reach(mind, things[copy], senses[copy, :2]))
-            if len(possible):
-                target[copy] = rng.choice(possible)
-        tried = target >= 0
-        starts.append(things[copies, target, :2][tried])
-        for _ in range(2):
-            thing = things[copies, target]
-            saccade = fixation.choose(np.nan_to_num(thing), senses[:, :2], rng)
-            uninformed += int(saccade.uninformed[tried].sum())
-            senses = body.act(efference.motors(senses[:, :2] + saccade.change))
-            things = retina.things(senses)
-            away = np.hypot(*things[copies, target, :2].T)
-            errors.append(np.where(np.isfinite(away), away, np.inf)[tried])
-        report((round_ + 1) / rounds)
-    return Fixated(np.concatenate(starts), np.concatenate(errors[0::2]), np.concatenate(errors[1::2]), uninformed)
-
-
-def within_reach(mind: LookingMind, things: FloatArray, posture: FloatArray) -> NDArray[np.bool_]:
-    """(K,) whether a thing can be looked at at all: the saccade there ends at a posture within reach."""
-    per_px = 1.0 / mind.pilot.line[[0, 5], 0]
-    goal = posture - np.nan_to_num(things[:, :2]) * per_px
-    inside = (goal > mind.pilot.reach.low) & (goal < mind.pilot.reach.high)
-    return np.asarray(inside.all(1) & np.isfinite(things[:, 0]))
 
 
 def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 14) -> list[Glance]:
@@ -344,3 +233,7 @@ def _summary(metrics: dict[str, Any]) -> str:
     ]  # fmt: skip
     table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
     return f"# {metrics['robot']} looks about\n\n{table}\n"
+
+
+if __name__ == "__main__":
+    sys.exit(script("saccades"))

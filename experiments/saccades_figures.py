@@ -8,10 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from babbling.looking import LookingMind
+from babbling.sight import LookingMind
 
 if TYPE_CHECKING:
-    from experiments.saccades import Curve, Fixated, Predicted
+    from experiments.saccades import Curve
+    from experiments.saccades_trials import Fixated, Predicted
 
 FloatArray = NDArray[np.float64]
 TABLE, COPY = "#d9541e", "#4c72b0"

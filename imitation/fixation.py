@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
 from babbling.grids import interpolate
-from babbling.looking import Reach, Sight
+from babbling.looking import Reach
+from babbling.sight import Sight
 from imitation.bayes import ActionPosterior, action_posterior
 from imitation.selection import selection_rule
 

@@ -123,7 +123,7 @@ def frame_pose(appearance: Appearance, numbers: FloatArray) -> FloatArray | None
         rest = (numbers[seen] - appearance.expect(pose)[seen]) * weight
         pose = pose + np.linalg.lstsq(slope, rest, rcond=None)[0]
         pose = np.clip(pose, appearance.low, appearance.high)
-    return pose
+    return np.asarray(pose)
 
 
 def watch(appearance: Appearance, numbers: FloatArray, dt: float, acceleration: float = 2.5) -> Watched:
