@@ -33,10 +33,8 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 WINDOW_S = 0.5
 """Movements are put to a part by what turned within this time."""
-FAN = 0.16
+FAN = 0.13
 """m, length of the arrows."""
-APART = 0.42
-"""m between the fans of arrows."""
 
 
 def record(path: Path, done: Studied) -> None:
@@ -60,7 +58,7 @@ def blueprint() -> rrb.Blueprint:
         origin="/world",
         line_grid=False,
         background=[32, 36, 42],
-        eye_controls=rrb.EyeControls3D(position=[1.9, 0.28, 0.75], look_target=[0.0, 0.28, 0.5]),
+        eye_controls=rrb.EyeControls3D(position=[1.2, 0.75, 0.75], look_target=[0.0, 0.28, 0.52]),
     )
     return rrb.Blueprint(
         rrb.Horizontal(
@@ -92,13 +90,15 @@ def _log_world(stream: rr.RecordingStream, done: Studied) -> None:
 
 
 def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
-    """Arrows from one point, as in a mind: the teacher's over its head, one's own over one's own."""
+    """Arrows over either head, arms above legs, left beside right: the state that both bodies share."""
     tick, row = done.body.tick_s, done.shown
     places = {"imitator": (row.clean.directions, 0.0, IMITATED), "teacher": (row.clean.teacher, BESIDE, DEMONSTRATED)}
     for who, (directions, aside, colour) in places.items():
         count = directions.shape[1]
-        upper = np.array([0 if part.endswith(("thigh", "shank", "foot")) else 1 for part in row.clean.sub_goals.parts])
-        origin = np.stack([np.zeros(count), np.full(count, aside), 0.72 + 0.22 * upper], 1)
+        names = row.clean.sub_goals.parts
+        upper = np.array([not name.endswith(("thigh", "shank", "foot")) for name in names], float)
+        side = np.array([name.startswith("left_") - float(name.startswith("right_")) for name in names])
+        origin = np.stack([np.zeros(count), aside + 0.11 * side, 0.68 + 0.2 * upper], 1)
         entity = f"world/directions/{who}"
         stream.log(entity, rr.Arrows3D.from_fields(colors=[colour], radii=[0.006]), static=True)
         columns = rr.Arrows3D.columns(

@@ -38,8 +38,11 @@ class Config:
     """Options of `imitate gesture`."""
 
     demonstration: str = "icub-wave"
-    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles)."""
-    correspondence: Literal["learned", "ik"] = "ik"
+    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles), or .urdf (a
+    robot that performs --motion)."""
+    motion: Path | None = None
+    """Joint angles (.csv, .npz) that a .urdf teacher performs."""
+    correspondence: Literal["learned", "ik"] = "learned"
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
     selection: str = "mean"
     """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
@@ -80,7 +83,7 @@ def run(config: Config) -> Result:
     eyes = Eyes(config.seeing_noise_deg, config.mirror_minutes)
     body = options.body(1, stream=3)
     learned = take_mind(config.forward_model, options) if config.forward_model is not None else None
-    seen = watch(config.demonstration, body)
+    seen = watch(config.demonstration, body, config.motion)
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
             learned = learn_mind(options, config.babbling_minutes, report)
@@ -138,6 +141,7 @@ def measure(
     select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in attempts])
     return {
         "demonstration": config.demonstration,
+        "remarks": list(seen.remarks),
         "robot": config.robot,
         "selection": config.selection,
         "seed": config.seed,
@@ -175,6 +179,14 @@ def curve_metrics(learned: Learned) -> dict[str, Any]:
     }
 
 
+def correspondence_rows(seen: Seen, metrics: dict[str, Any]) -> list[tuple[str, str]]:
+    """What the learned correspondence did, where one was used."""
+    if seen.corresponded is None:
+        return []
+    both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"
+    return [("limb directions off where they can be reached: learned / inverse kinematics", both)]
+
+
 def summarise(metrics: dict[str, Any], seen: Seen) -> str:
     """The result as a markdown table."""
     rows = [
@@ -185,7 +197,11 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
         ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
         ("joint error, direct replay", f"{metrics['direct_replay_rmse_deg']:.4f} deg"),
         ("joint error, linear inverse model in the same loop", f"{metrics['linear_peer_rmse_deg']:.4f} deg"),
-        ("limb directions off (what this body cannot do included)", f"{metrics['retarget_error_deg']:.2f} deg"),
+        (
+            "limb directions off, inverse kinematics (what this body cannot do included)",
+            f"{metrics['retarget_error_deg']:.2f} deg",
+        ),
+        *correspondence_rows(seen, metrics),
         (
             "babbling",
             f"{metrics['babbling_body_minutes']:.1f} body-minutes + {metrics['pilot_body_minutes']:.1f} pilot",

@@ -1,7 +1,8 @@
 """Watching: a demonstration, by name or from a file, becomes a movement in the imitator's own senses."""
 
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,30 +33,56 @@ class Seen:
     retargeted: Retargeted | None
     corresponded: "Corresponded | None" = None
     """What the learned correspondence made of it; None where inverse kinematics or joint angles were taken."""
+    remarks: tuple[str, ...] = ()
+    """What of a teacher did not correspond or was missing, a line each."""
 
 
-def watch(demonstration: str, body: SimulatedBody) -> Seen:
+def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -> Seen:
     """See a demonstration with this body's eyes.
 
     Joint trajectories (.csv, .npz) are taken as they are; teachers (built-in, .amc) through limb directions and the
-    identity correspondence of the chapter (inverse kinematics on HOAP-2).
+    identity correspondence of the chapter (inverse kinematics on HOAP-2); so is a URDF that performs `motion`, the
+    joint angles in a file.
 
     Raises:
         BodyError: an unknown name, a broken file, joints this body does not have.
     """
     suffix = Path(demonstration).suffix.lower()
+    if motion is not None and suffix != ".urdf":
+        raise BodyError(f"--motion {motion}: only a robot's .urdf performs a motion, {demonstration!r} is none")
     if suffix in FORMATS:
         ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
         trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints)
         return _seen(trajectory, body, None, None)
-    performance = perform(demonstration)
+    performance, remarks = watch_urdf(demonstration, motion) if suffix == ".urdf" else (perform(demonstration), ())
     if set(body.joints) != set(JOINTS):
         raise BodyError(
             f"{body.name}: limb directions can be shown to hoap2 only; give this robot joint angles "
             f"({' or '.join(sorted(FORMATS))} with columns {', '.join(body.joints[:3])} ...)"
         )
     retargeted = retarget(performance, body.tick_s)
-    return _seen(retargeted.trajectory.reordered(body.joints), body, performance, retargeted)
+    seen = _seen(retargeted.trajectory.reordered(body.joints), body, performance, retargeted)
+    return replace(seen, remarks=remarks)
+
+
+def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tuple[str, ...]]:
+    """A robot out of a URDF, and what was not found in it.
+
+    Raises:
+        BodyError: no motion; a URDF without any limb; a motion of joints it does not have.
+    """
+    from models.teachers.urdf import perform_urdf, read_urdf, remarks
+
+    if motion is None:
+        read_urdf(demonstration)
+        raise BodyError(
+            f"{demonstration}: a URDF does not move by itself; give its joint angles with --motion FILE.csv"
+        )
+    performance, found = perform_urdf(demonstration, read_motion(motion))
+    said = remarks(found, demonstration)
+    for line in said:
+        print(f"imitate: {line}", file=sys.stderr)
+    return performance, said
 
 
 def _seen(
