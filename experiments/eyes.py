@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.forward_model import ForwardModel
-from babbling.looking import Reach, pilot_looking
+from babbling.looking import LookingPilot, Reach, pilot_looking
 from babbling.loop import BOUT_TICKS, babble
+from babbling.reading import Transitions
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from imitation.finding import Finder
@@ -107,10 +108,32 @@ def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
     return body
 
 
+class _Noting:
+    """A babbler whose transitions are noted as well as counted: for peers that learn from the very same experience."""
+
+    def __init__(self, babbler: LookingPilot, notes: list[Transitions]) -> None:
+        self.babbler, self.notes, self._reading = babbler, notes, babbler.reading
+        self.forward_model, self.stream = babbler.forward_model, babbler.stream
+
+    @property
+    def reading(self) -> "_Noting":
+        """Ourselves: see `transitions`."""
+        return self
+
+    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
+        """As the babbler reads them."""
+        self.notes.append(self._reading.transitions(before, motors, after))
+        return self.notes[-1]
+
+
 def learn_to_look(
-    body: SeeingBody, minutes: float, seed: int, after_bout: Callable[[float, LookingMind], None] | None = None
+    body: SeeingBody,
+    minutes: float,
+    seed: int,
+    after_bout: Callable[[float, LookingMind], None] | None = None,
+    notes: list[Transitions] | None = None,
 ) -> LookingMind:
-    """Pilot and so many body-minutes of saccades.
+    """Pilot and so many body-minutes of saccades; with `notes`, their transitions are kept there too.
 
     Raises:
         ExperimentError: no time at all.
@@ -129,5 +152,6 @@ def learn_to_look(
         if after_bout is not None:
             after_bout(bout / len(plan), LookingMind(found, model, float(done[bout - 1])))
 
-    model = babble(body, found, plan, seed, after_bout=told)
+    babbler = found if notes is None else _Noting(found, notes)
+    model = babble(body, babbler, plan, seed, after_bout=told)
     return LookingMind(found, model, float(done[-1]))

@@ -103,7 +103,7 @@ def covered(result: dict[str, Any]) -> Figure:
         axes.bar(x, 100 * y, 0.34, color=colour, label=f"teacher wears a {cloth}", yerr=100 * ends, capsize=3,
                  error_kw={"lw": 0.9, "ecolor": "#888888"})  # fmt: skip
     axes.axhline(100 * result["chance"], color="0.5", ls=":", lw=1)
-    axes.annotate("chance", (len(names) - 0.55, 100 * result["chance"] + 1), fontsize=8, color="0.4")
+    axes.annotate("chance", (-0.55, 100 * result["chance"] + 1), fontsize=8, color="0.4")
     axes.set_xticks(range(len(names)), [name.replace(", ", "\n") for name in names], fontsize=8)
     axes.set(ylabel="looks where the teacher's head points [%]", ylim=(0, 118))
     axes.legend(frameon=False, fontsize=9, ncols=2, loc="upper center")

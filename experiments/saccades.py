@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.looking_storage import save_looking
+from babbling.reading import Transitions
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.experiment import Result
@@ -20,6 +21,7 @@ from experiments.saccades_trials import (
     copied,
     expected,
     fixate,
+    least_squares,
     straight_lines,
     unseen_saccades,
     within_reach,
@@ -135,7 +137,8 @@ def babble_eyes(
                 curve.table_px.append(float(unseen.error(expected(mind, unseen)).mean()))
                 curve.line_px.append(float(unseen.error(copied(mind, unseen)).mean()))
 
-        mind = learn_to_look(body, minutes, seed, learned)
+        notes: list[Transitions] = []
+        mind = learn_to_look(body, minutes, seed, learned, notes)
         babble_s = time.perf_counter() - start
         assert unseen is not None
         speed = body.images_per_second()
@@ -154,7 +157,8 @@ def babble_eyes(
         "saccade_prediction_px": float(table.mean()),
         "saccade_prediction_median_px": float(np.median(table)),
         "saccade_prediction_p95_px": float(np.quantile(table, 0.95)),
-        "saccade_prediction_least_squares_px": float(copy.mean()),
+        "saccade_prediction_least_squares_px": float(unseen.error(least_squares(mind, notes, unseen)).mean()),
+        "saccade_prediction_efference_copy_px": float(copy.mean()),
         "saccade_prediction_straight_line_px": float(straight.mean()),
         "fixation_trials": len(fixated.once),
         "fixation_1_rate": float((fixated.once <= ONCE_PX).mean()),
@@ -164,7 +168,7 @@ def babble_eyes(
         "fixation_uninformed": fixated.uninformed,
         "learning_curve_minutes": curve.minutes,
         "learning_curve_table_px": curve.table_px,
-        "learning_curve_least_squares_px": curve.line_px,
+        "learning_curve_efference_copy_px": curve.line_px,
         "retina_images_per_s": speed,
     }
     from experiments.saccades_figures import figures

@@ -47,7 +47,7 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
     field.legend(loc="upper center", ncols=3, fontsize=8, bbox_to_anchor=(0.5, -0.14), frameon=False)
     bins = np.geomspace(0.01, 10, 50)
     peer = trials.error(mind.sight.expect(trials.before, trials.posture, trials.change, table=False))
-    for values, colour, name in ((trials.error(guess), TABLE, "forward model"), (peer, COPY, "least squares (cubic)")):
+    for values, colour, name in ((trials.error(guess), TABLE, "forward model"), (peer, COPY, "efference copy alone")):
         errors.hist(values, bins, histtype="step", color=colour, lw=1.8, label=f"{name}: {values.mean():.3f} px")
         errors.axvline(values.mean(), color=colour, lw=1, ls=":")
     errors.axvline(0.5, color="0.5", lw=1, ls="--")
@@ -82,7 +82,9 @@ def learning_curve(curve: Curve) -> Figure:
     figure = Figure(figsize=(6, 3.8), layout="constrained")
     axes = figure.subplots()
     axes.plot(curve.minutes, curve.table_px, "o-", color=TABLE, label="forward model")
-    axes.plot(curve.minutes, curve.line_px, "s--", color=COPY, ms=4, label="efference copy alone (least squares)")
+    axes.plot(
+        curve.minutes, curve.line_px, "s--", color=COPY, ms=4, label="efference copy alone (least squares of the pilot)"
+    )
     axes.set(xlabel="body-minutes (pilot included)", ylabel="error after an unseen saccade [px]", ylim=(0, None))
     axes.legend(frameon=False)
     return figure

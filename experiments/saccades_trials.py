@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import saccades
+from babbling.looking import Looking, copy_terms, saccades
 from babbling.loop import explore, flat
-from babbling.sight import LookingMind
+from babbling.reading import Transitions
+from babbling.sight import LookingMind, Sight
 from imitation.fixation import Fixation
 from models.seeing_body import SeeingBody
 
@@ -77,6 +78,22 @@ def expected(mind: LookingMind, trials: Predicted) -> FloatArray:
 def copied(mind: LookingMind, trials: Predicted) -> FloatArray:
     """The least-squares peer: the efference copy's account alone, chained in the same way."""
     return mind.sight.expect(trials.before, trials.posture, trials.change, table=False)
+
+
+def least_squares(mind: LookingMind, notes: list[Transitions], trials: Predicted) -> FloatArray:
+    """The peer: least squares of the efference copy's terms on the very experience that the table counted, chained."""
+    reading = mind.reading
+    parts = [np.concatenate([note.outcome for note in notes]), np.concatenate([note.action for note in notes])]
+    context = [np.concatenate([note.context[i] for note in notes]) for i in range(3)]
+    line = np.empty_like(reading.line)
+    for f in range(len(line)):
+        use = np.isfinite(parts[0][:, f]) & np.isfinite(context[0][:, f])
+        inside = tuple(c[use, f] for c in context)
+        x = copy_terms(parts[1][use, f], *(c / s for c, s in zip(inside, reading.scale[1:], strict=True)))
+        moved = parts[0][use, f] + reading.straight_of(f, inside, parts[1][use, f])
+        line[f] = np.linalg.lstsq(x, moved, rcond=None)[0]
+    peer = Sight(Looking(reading.retina, reading.efference, line), mind.forward_model)
+    return peer.expect(trials.before, trials.posture, trials.change, table=False)
 
 
 def straight_lines(mind: LookingMind, body: SeeingBody, trials: Predicted, seed: int) -> FloatArray:

@@ -26,6 +26,9 @@ from imitation.fixation import Fixation
 
 COVERS = ("eyes free", "eyes covered")
 SEES = ("sees", "does not see")
+LAPSE, ANYWHERE = 0.02, 0.7
+"""Share of the time that a head points at nothing that is seen (it rests, it passes by), and the density of such poses:
+uniform over a radian and a half of pan and a radian of tilt, 1/rad^2."""
 LEAST_SHOWN = 12
 MOST_FITTED = 60
 """Shown goals needed before anything can be learned from them."""
@@ -138,9 +141,9 @@ class GazeReader:
         self, pose: FloatArray, places: FloatArray, head: FloatArray, prior: FloatArray, sees: float = 1.0
     ) -> GoalPosterior:
         """Eq. (2): P(g | pose) over (G, 3) places; with probability 1 - `sees` the pose has nothing to do with them."""
-        habit = self.habit(pose, places, head)
+        habit = (1.0 - LAPSE) * self.habit(pose, places, head) + LAPSE * ANYWHERE
         level = habit @ prior
-        action_prior = sees * habit + (1.0 - sees) * (level if level > 0 else 1.0)
+        action_prior = sees * habit + (1.0 - sees) * level
         return goal_posterior(np.ones(1), action_prior, prior)
 
 

@@ -1,0 +1,106 @@
+"""A seeing body and the trials around it; what babbling teaches is tested on pure geometry in test_looking.py."""
+
+import numpy as np
+import pytest
+
+from babbling.errors import BabblingError
+from experiments.errors import ExperimentError
+from experiments.eyes import APART, TOYS, EyeOptions, learn_to_look, nursery, toy_places
+from experiments.saccades import Config, run
+from imitation.finding import Finder, places
+from imitation.seeing import Feature
+from models.biclops import SCENE
+from models.errors import BodyError
+from models.heads import EYE_HEIGHT, HEADS, check_sees, stage
+from models.seeing_body import SeeingBody, head_fingerprint
+
+
+@pytest.fixture(scope="module")
+def body() -> SeeingBody:
+    return nursery(EyeOptions(width=80, height=60), 0, copies=2)
+
+
+@pytest.mark.parametrize("robot", HEADS)
+def test_eyes_stand_at_one_height_above_the_table(robot: str) -> None:
+    model = stage(robot).compile()
+    body = SeeingBody(model, robot, Finder(TOYS), len(TOYS), retina=EyeOptions(width=16, height=12).retina)
+    body.reset()
+    height = body._view(0).camera("left_eye").xpos[2] - HEADS[robot].table[2]
+    assert height == pytest.approx(EYE_HEIGHT, abs=0.003)
+
+
+def test_the_same_seed_sees_the_same_and_what_is_unseen_is_nan(body: SeeingBody) -> None:
+    first = body.reset()
+    np.testing.assert_array_equal(first, body.reset())
+    assert np.isnan(first).any() and np.isfinite(first[:, 2:]).any()
+    assert np.isfinite(first[:, :2]).all()
+    seen = first[np.isfinite(first)]
+    assert seen.max() <= 80
+
+
+def test_a_saccade_arrives_and_moves_the_image_the_other_way(body: SeeingBody) -> None:
+    before = body.reset()
+    after = body.act(body.command_angles(np.tile([0.1, 0.05], (2, 1))))
+    np.testing.assert_allclose(after[:, :2], [[0.1, 0.05]] * 2, atol=0.006)
+    moved = (after - before)[:, 2:].reshape(2, len(TOYS), 4)
+    moved = moved[np.isfinite(moved).all(-1)]
+    assert len(moved) and (moved[:, 0] > 0).all() and (moved[:, 1] < 0).all()  # left turn: things go right
+
+
+def test_motor_commands_must_be_numbers_of_the_right_shape(body: SeeingBody) -> None:
+    with pytest.raises(BodyError, match="finite numbers are needed"):
+        body.act(np.full((2, 2), np.nan))
+    with pytest.raises(BodyError, match="shape"):
+        body.act(np.zeros((1, 2)))
+
+
+def test_toys_hang_apart() -> None:
+    ways = toy_places(2, 0) - (0, 0, EYE_HEIGHT)
+    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    cosine = np.einsum("ibk,jbk->bij", ways, ways)[:, ~np.eye(len(TOYS), dtype=bool)]
+    assert cosine.max() < np.cos(APART)
+
+
+def test_a_doubtful_or_cut_thing_has_no_place() -> None:
+    def thing(label: str, area: float, whole: bool = True) -> Feature:
+        return Feature(label, 10.0, 20.0, area, 100.0, whole)
+
+    found = places(
+        (thing("red", 30), thing("blue", 30), thing("blue", 20), thing("cyan", 30, False)),
+        ("red", "blue", "cyan", "lime"),
+    )
+    np.testing.assert_array_equal(np.isfinite(found[:, 0]), [True, False, False, False])
+
+
+def test_every_robot_has_a_fingerprint_of_its_own() -> None:
+    assert head_fingerprint("biclops") != head_fingerprint("hoap2")
+
+
+def test_a_scene_without_cameras_is_refused() -> None:
+    import mujoco
+
+    blind = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+    with pytest.raises(BodyError, match="this scene has no cameras at all"):
+        check_sees(blind, ("left_eye",))
+    check_sees(mujoco.MjModel.from_xml_path(str(SCENE)), ("left_eye", "right_eye"))
+
+
+def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:
+    with pytest.raises(ExperimentError, match="0 minutes of looking about"):
+        learn_to_look(body, 0.0, 0)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"width": 0}, "a retina width of 0 pixels"),
+        ({"robot": "hoap"}, "did you mean 'hoap2'"),
+        ({"seed": -1}, "whole numbers from 0"),
+        ({"renderer": "crayon"}, "unknown renderer 'crayon'"),
+        ({"noise": 2.0}, "pixel noise 2"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused_in_one_line(options: dict[str, object], text: str) -> None:
+    with pytest.raises((ExperimentError, BabblingError, BodyError), match=text) as caught:
+        run(Config(**options))  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)
