@@ -35,6 +35,9 @@ WORDS: Mapping[str, tuple[str, ...]] = {
 ROOTS = ("shoulder", "hip")
 OUTERMOST = (*ROOTS, "wrist")
 """Of several joints there (pitch, roll, yaw) the last is taken; of the others the first."""
+CHAINS = (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle"))
+BALL = 0.35
+"""Joints within this share of the next limb's length are one ball."""
 NUMBERED = {"arm": ("shoulder", "elbow", "wrist"), "leg": ("hip", "knee", "ankle")}
 """Limbs whose joints are only counted (arm_left_1, ...): three joints make a ball, the third carries on, then these."""
 NEEDS = {
@@ -171,27 +174,37 @@ def remarks(found: Found, path: str | os.PathLike[str]) -> tuple[str, ...]:
 
 
 def _landmarks(model: pin.Model) -> dict[str, int]:
+    """See the module; of a ball's joints the last that still sits near the first, measured by the limb beyond."""
     found: dict[str, int] = {}
-    names = list(model.names)
+    names, supports = list(model.names), model.supports
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+
+    def apart(one: int, other: int) -> float:
+        return float(np.linalg.norm(data.oMi[one].translation - data.oMi[other].translation))
+
     for side in SIDES:
         ours = [number for number in range(1, model.njoints) if _side(names[number]) == side]
+        ours.sort(key=lambda number: len(supports[number]))
+        balls: dict[str, list[int]] = {}
         for landmark, words in WORDS.items():
-            for word in words:
-                near = [number for number in ours if word in _plain(names[number])]
-                if near:
-                    depth = {number: len(model.supports[number]) for number in near}
-                    pick = max if landmark in OUTERMOST else min
-                    found[f"{side}_{landmark}"] = pick(near, key=lambda number, d=depth: d[number])  # type: ignore[misc]
-                    break
+            near = next((n for word in words if (n := [j for j in ours if word in _plain(names[j])])), [])
+            if near:
+                balls[landmark] = near
+                found[f"{side}_{landmark}"] = near[-1 if landmark in OUTERMOST else 0]
         for word, counted in NUMBERED.items():
             chain = [number for number in ours if word in _plain(names[number]).split("_")]
             if len(chain) >= 5 and not any(f"{side}_{landmark}" in found for landmark in counted):
-                chain.sort(key=lambda number: len(model.supports[number]))
                 found |= {f"{side}_{landmark}": joint for landmark, joint in zip(counted, chain[2:5], strict=True)}
-    for side in SIDES:  # a hip below its knee, or on another branch, is no hip
-        for start, end in (("shoulder", "elbow"), ("elbow", "wrist"), ("hip", "knee"), ("knee", "ankle")):
+        for start, end in CHAINS:
             first, second = found.get(f"{side}_{start}"), found.get(f"{side}_{end}")
-            if first is not None and second is not None and first not in list(model.supports[second]):
+            if first is None or second is None:
+                continue
+            if start in ROOTS and start in balls:
+                ball = [joint for joint in balls[start] if joint in list(supports[second])]
+                near = [joint for joint in ball if apart(joint, ball[0]) <= BALL * apart(second, ball[0])]
+                first = found[f"{side}_{start}"] = near[-1] if near else first
+            if first not in list(supports[second]):  # on another branch: not of this limb
                 del found[f"{side}_{end}"]
     return found
 
