@@ -14,12 +14,13 @@ from babbling.image_storage import save_image
 from babbling.mirroring import MirrorExperience
 from babbling.pilot import Pilot, pilot
 from babbling.storage import load_mind
+from experiments import minds
 from experiments.correspondence_acts import Acts, act_study
 from experiments.correspondence_figures import figures
 from experiments.correspondence_recording import record
 from experiments.errors import ExperimentError
 from experiments.experiment import Result
-from experiments.minds import COPIES, BodyOptions
+from experiments.minds import BodyOptions
 from experiments.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
 from experiments.progress import progress
 from models.body import SimulatedBody
@@ -28,6 +29,8 @@ from models.retargeting import Retargeted, retarget
 from models.teachers import DEMONSTRATIONS, Performance, perform
 
 HIDDEN_S = 1.0
+CURVE_POINTS = 4
+"""Of the learning curve, each with half the time of the next."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,7 @@ def run(config: Config) -> Result:
         mind.check(body)
         found = mind.pilot
     else:
-        found = pilot(options.body(COPIES), config.seed)
+        found = pilot(options.body(minds.COPIES), config.seed)
     with progress("looks into a mirror") as report:
         experience = look_into_mirror(options, found, clean, report)
     blurry = blur(experience, noisy.noise_deg, config.seed)
@@ -175,7 +178,7 @@ def learning_curve(
     """(K, 3) minutes, and error on the shown demonstration with clean and noisy eyes; NaN where organs stay unknown."""
     row = rows.get(config.shown) or next(iter(rows.values()))
     points = []
-    for minutes in config.mirror_minutes * 0.5 ** np.arange(4)[::-1]:
+    for minutes in config.mirror_minutes * 0.5 ** np.arange(CURVE_POINTS)[::-1]:
         point = [0.0]
         for one, noise in ((experience, 0.0), (blurry, config.seeing_noise_deg)):
             part = one.first(float(minutes))

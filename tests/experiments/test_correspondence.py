@@ -1,0 +1,159 @@
+"""`imitate correspondence`: as near as inverse kinematics whatever the wiring, the size and the way of a teacher."""
+
+import json
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from types import MethodType
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from rerun.chunk import RrdReader
+
+import experiments.correspondence
+import experiments.mirrors
+from babbling.mirroring import MirrorExperience, mirror_babble
+from babbling.pilot import Pilot, pilot
+from experiments.__main__ import main
+from experiments.minds import BodyOptions
+from experiments.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from models.body import SimulatedBody
+from models.retargeting import Retargeted, retarget
+from models.teachers import Performance, perform_motion
+from models.teachers.anatomy import BodyPoses, perform
+from models.teachers.demonstrations import joint_motion
+from models.teachers.robots import motion, postures, reference
+
+COPIES = 24
+
+
+def obeys(self: SimulatedBody, motors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A body without inertia, which is where it is told to be: mirrors show postures, not dynamics."""
+    low, high = self.joint_range.T
+    self.batch.qpos[:, self._qpos] = np.clip(self.commands(motors), low, high)
+    return self._feel()
+
+
+def babbled_without_inertia(body: SimulatedBody, *rest: Any, **more: Any) -> MirrorExperience:
+    body.act = MethodType(obeys, body)  # type: ignore[method-assign]
+    return mirror_babble(body, *rest, **more)
+
+
+@pytest.fixture(scope="module")
+def quick() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(experiments.mirrors, "mirror_babble", babbled_without_inertia)
+        patch.setattr(experiments.mirrors, "COPIES", COPIES)
+        patch.setattr(experiments.correspondence, "CURVE_POINTS", 1)
+        yield
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[int | None, Pilot]:
+    """Body schemas, straight and scrambled; with dynamics."""
+    return {wiring: pilot(BodyOptions(scramble=wiring).body(8), 0) for wiring in (None, 4)}
+
+
+def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performance) -> tuple[Corresponded, Retargeted]:
+    options = BodyOptions(scramble=scramble)
+    image = image_of(look_into_mirror(options, pilot, Eyes(noise_deg, 5.0)), options, pilot)
+    body, oracle = options.body(1), retarget(seen)
+    frames = len(oracle.trajectory.time)
+    return through_mirror(image, body, pilot, seen, frames, noise_deg, np.random.default_rng(0)), oracle
+
+
+def beyond_oracle(found: Corresponded, oracle: Retargeted) -> float:
+    values = [found.error_deg[part][oracle.reachable[part]] for part in oracle.error_deg]
+    return float(np.concatenate(values).mean() - oracle.reachable_error_deg.mean())
+
+
+@pytest.mark.parametrize(("scramble", "noise_deg", "allowed"), [(None, 0.0, 0.3), (4, 0.0, 0.3), (4, 3.0, 2.5)])
+def test_as_near_as_inverse_kinematics(
+    quick: None, found: dict[int | None, Pilot], scramble: int | None, noise_deg: float, allowed: float
+) -> None:
+    seen = perform_motion("icub", joint_motion("icub-reach"))
+    learned, oracle = through(found[scramble], scramble, noise_deg, seen)
+    assert beyond_oracle(learned, oracle) <= allowed
+    pace = np.abs(np.diff(learned.angles, axis=0)) / 0.02
+    assert np.quantile(pace, 0.999) <= 5.0
+
+
+def changed(poses: BodyPoses, scale: float, heading: NDArray[np.float64], way: NDArray[np.float64]) -> BodyPoses:
+    """Arms and legs of other lengths, the whole body turned by heading (T,) and carried along the way (T, 3)."""
+    cosine, sine, none = np.cos(heading), np.sin(heading), np.zeros_like(heading)
+    turn = np.stack([cosine, -sine, none, sine, cosine, none, none, none, none + 1], 1).reshape(-1, 3, 3)
+    at = dict(poses.positions)
+    for side in ("left", "right"):
+        for chain in (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle")):
+            for inner, outer in pairwise(chain):
+                bone = poses.positions[f"{side}_{outer}"] - poses.positions[f"{side}_{inner}"]
+                at[f"{side}_{outer}"] = at[f"{side}_{inner}"] + scale * bone
+    return BodyPoses(
+        {name: turn @ value for name, value in poses.rotations.items()},
+        {name: np.einsum("tij,tj->ti", turn, value) + way for name, value in at.items()},
+    )
+
+
+@pytest.mark.parametrize("scale", [0.5, 3.0])
+def test_size_heading_and_walking_away_change_nothing(
+    quick: None, found: dict[int | None, Pilot], scale: float
+) -> None:
+    trajectory = joint_motion("talos-salute")
+    poses, upright = motion("talos", postures("talos", trajectory)), reference("talos")
+    count = len(trajectory.time)
+    heading, way = np.linspace(1, 3, count), np.linspace(0, 5, count)[:, None] * [1.0, 0.5, 0]
+    other = changed(poses, scale, heading, way)
+    grown = changed(upright, scale, np.zeros(1), np.zeros((1, 3)))
+    one = perform("one", "talos", trajectory.time, poses, upright)
+    two = perform("two", "talos", trajectory.time, other, grown)
+    image = image_of(look_into_mirror(BodyOptions(), found[None], Eyes(0.0, 3.0)), BodyOptions(), found[None])
+    body = BodyOptions().body(1)
+    a, b = (through_mirror(image, body, found[None], seen, 200, 0.0, np.random.default_rng(0)) for seen in (one, two))
+    np.testing.assert_allclose(a.angles, b.angles, atol=np.deg2rad(0.05))
+
+
+@pytest.fixture(scope="module")
+def done(quick: None, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("correspondence") / "result"
+    words = ["--demonstrations", "talos-salute", "--mirror-minutes", "6", "--acts", "40", "--tries", "4"]
+    assert main(["correspondence", *words, "--out", str(out)]) == 0
+    return out
+
+
+def test_what_a_run_leaves_behind(done: Path) -> None:
+    assert {path.name for path in done.iterdir()} == {
+        "config.json", "metrics.json", "recording.rrd", "body_image.nc", "structure.png", "teachers.png",
+        "learning_curve.png", "tries.png",
+    }  # fmt: skip
+    metrics = json.loads((done / "metrics.json").read_text())
+    assert metrics["organ_identification_rate"] >= 0.95
+    assert metrics["limb_direction_error_deg"] <= metrics["ik_limb_direction_error_deg"] + 0.3
+    assert metrics["worst_beyond_ik_noisy_deg"] <= 2.5
+    assert metrics["last_try_error_deg"] < metrics["first_try_error_deg"]
+    assert metrics["unreachable_frames"] == 0 and metrics["correspond_p50_ms"] > 0
+
+
+def test_recording_holds_both_bodies_and_the_organ(done: Path) -> None:
+    reader = RrdReader(done / "recording.rrd")
+    paths = {str(chunk.entity_path) for chunk in reader.stream(store=reader.recordings()[0])}
+    wanted = {"world/directions/teacher", "world/directions/imitator", "world/teacher", "organ/identified", "structure"}
+    assert wanted <= {path.strip("/") for path in paths}
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["correspondence", "--acts", "0"], "--demonstrations, --acts and --tries: at least one of each is needed"),
+        (["correspondence", "--seeing-noise-deg", "99"], "--seeing-noise-deg 99: it must lie between 0 and 30"),
+        (["correspondence", "--mirror-minutes", "0"], "--mirror-minutes 0: it must be more than 0"),
+        (["correspondence", "--demonstrations", "icub-wav"], "did you mean 'icub-wave'"),
+        (["gesture", "--seeing-noise-deg", "-1"], "--seeing-noise-deg -1: it must lie between 0 and 30"),
+        (["gesture", "--motion", "a.csv"], "only a robot's .urdf performs a motion, 'icub-wave' is none"),
+    ],
+)
+def test_bad_options_are_answered_in_a_line(words: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert reason in said and said.count("\n") == 1
