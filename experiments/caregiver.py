@@ -30,8 +30,8 @@ CARE_DEG = 0.2
 """Standard deviation of how exactly a caregiver repeats a posture."""
 LEAST_FACE = 3
 """Features in the left eye that make a face."""
-SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0, 105.0, -105.0)
-"""Where to look for a face, from where one happens to look."""
+SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0)
+"""Where to look for a face when there is none where one happens to look."""
 
 
 def group() -> NDArray[np.int64]:
@@ -173,8 +173,7 @@ class Search(NamedTuple):
 def search(body: SeeingBody, start_pan: float, patience_s: float) -> Search:
     """Look for a face, first where one looks anyway; gives up after `patience_s` of looking elsewhere."""
     images, pans, clock = [], [], 0.0
-    for step in SEARCH_PAN_DEG:
-        pan = np.deg2rad(step) + (start_pan if step == 0.0 else 0.0)
+    for pan in dict.fromkeys([start_pan, *np.deg2rad(SEARCH_PAN_DEG)]):
         if clock > 0 and clock + body.tick_s > patience_s:
             break
         goal = np.tile(body.rest + np.array([pan, 0.0]), (body.copies, 1))

@@ -43,7 +43,7 @@ def record(
     name = f"{config.robot} imitates {config.movement}, seed {config.seed}"
     later = config.deferred
     model = stage(
-        config.robot, teacher=True, distance=config.distance, balls=TOYS_OF_ANOTHER_ROOM if later else ()
+        config.robot, teacher=not later, distance=config.distance, balls=TOYS_OF_ANOTHER_ROOM if later else ()
     ).compile()
     balls = {ball.name: np.array(ball.position) for ball in TOYS_OF_ANOTHER_ROOM} if later else {}
     with recording(path, "imitate-head", name, _blueprint(tuple(head_facts(config.robot).table), config)) as stream:
@@ -56,7 +56,7 @@ def record(
             log_points(stream, f"eyes/{eye}/predicted", expected[:, :, i, :2], FRAME_S, PREDICTED, 1.6)
             log_points(stream, f"eyes/{eye}/found", found[:, :, i, :2], FRAME_S, FOUND, 0.7)
         truth = one.truth[frames]
-        seen = onlook(model, config.robot, done.imitated[frames], truth, balls)
+        seen = onlook(model, config.robot, done.imitated[frames], None if later else truth, balls)
         log_stage(stream, seen, FRAME_S)
         for i, axis in enumerate(AXES):
             root = f"head/{axis}"

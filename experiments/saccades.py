@@ -40,6 +40,8 @@ TEST_SACCADES, STUDY_SACCADES = 10, 40
 TEST_ROUNDS, STUDY_ROUNDS = 4, 25
 """Fixations of each head."""
 CURVE_POINTS = 12
+ENOUGH = 2
+"""Visits after which a toy is no news."""
 
 
 @dataclass(frozen=True)
@@ -186,12 +188,12 @@ def babble_eyes(
     )
 
 
-def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 14) -> list[Glance]:
+def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 18) -> list[Glance]:
     """One head looks at one toy after the other: what the recording shows."""
     body = nursery(eyes, seed, copies=1)
     fixation = Fixation(mind.sight, mind.pilot.reach, selection)
     rng = np.random.default_rng([seed, 79])
-    efference, retina = mind.pilot.efference, mind.pilot.retina
+    efference, retina, reach = mind.pilot.efference, mind.pilot.retina, mind.pilot.reach
     senses = body.reset()
     glances: list[Glance] = []
     visits = np.zeros(body.things, int)
@@ -202,14 +204,15 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
     glances.append(Glance(body.images[0], things + centre, nothing, body.joint_angles[0].copy(), -1, "at rest"))
     for _ in range(looks):
         possible = np.flatnonzero(within_reach(mind, things, senses[0, :2]) & (np.arange(len(things)) != last))
-        if len(possible):
+        if len(possible) and visits[possible].min() < ENOUGH:
             least = possible[visits[possible] == visits[possible].min()]
             last = int(rng.choice(least))
             visits[last] += 1
             saccade: Saccade = fixation.choose(things[None, last], senses[:, :2], rng)
             change, event = saccade.change, f"look at {TOYS[last]}"
         else:
-            change, event, last = -senses[:, :2], "nothing else in reach: back to the middle", -1
+            elsewhere = reach.low + (reach.high - reach.low) * rng.random((1, 2))
+            change, event, last = elsewhere - senses[:, :2], "nothing new in view: looks elsewhere", -1
         expected = mind.sight.expect(
             things, np.repeat(senses[:, :2], len(things), 0), np.repeat(change, len(things), 0)
         )

@@ -16,7 +16,7 @@ TABLE_X, TABLE_Y = (0.32, 0.66), 0.26
 """m: where toys may lie, at 0.95 m between the heads; scaled with the distance."""
 WIDEST_DEG = 40.0
 """A teacher does not turn further than this to either side."""
-TRIES = 20_000
+TRIES, BATCH = 200_000, 500
 
 
 def look_at(target: FloatArray, distance: float) -> FloatArray:
@@ -69,24 +69,26 @@ def lay_out(
         BodyError: no room for them.
     """
     scale = distance / 0.95
-    for _ in range(TRIES):
-        x, y = rng.uniform(*TABLE_X, count) * scale, rng.uniform(-TABLE_Y, TABLE_Y, count) * scale
-        if count == 2:  # close pairs are rare: lay the second one near the first
-            x[1], y[1] = x[0] + rng.normal(0, 0.05), y[0] + rng.normal(0, 0.05)
-        places = np.stack([x, y, np.full(count, BALL_RADIUS)], axis=-1)
-        if possible(places, distance, view, apart_deg):
-            return places
+    for _ in range(TRIES // BATCH):
+        x, y = rng.uniform(*TABLE_X, (BATCH, count)) * scale, rng.uniform(-TABLE_Y, TABLE_Y, (BATCH, count)) * scale
+        if count == 2:  # close pairs are rare: lay the second one near the first, or far
+            near = rng.choice([0.05, 0.25], BATCH) * scale
+            x[:, 1], y[:, 1] = x[:, 0] + near * rng.normal(size=BATCH), y[:, 0] + near * rng.normal(size=BATCH)
+        places = np.stack([x, y, np.full((BATCH, count), BALL_RADIUS)], axis=-1)
+        fit = np.flatnonzero(possible(places, distance, view, apart_deg))
+        if len(fit):
+            return np.asarray(places[fit[0]])
     raise BodyError(f"no room on the table for {count} toys {apart_deg[0]:g} degrees apart; fewer, or closer")
 
 
-def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> bool:
-    """Whether both heads can look at all of these toys, and they lie as far apart as asked."""
-    turn = np.rad2deg(np.abs(look_at(places, distance)[:, 0]))
-    if not view.shows(places).all() or (turn > WIDEST_DEG).any():
-        return False
-    first, second = np.triu_indices(len(places), 1)
-    apart = np.rad2deg(separation(places[first], places[second], distance))
-    bearing = np.arctan2(places[:, 1], places[:, 0])
-    merged = np.abs(bearing[first] - bearing[second]) < 0.06
-    level = np.abs(np.arctan2(0.18, places[first, 0]) - np.arctan2(0.18, places[second, 0])) < 0.10
-    return bool((apart >= apart_deg[0]).all() and (apart <= apart_deg[1]).all() and not (merged & level).any())
+def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> NDArray[np.bool_]:
+    """(...) whether both heads can look at all of (..., G, 3) toys, and they lie as far apart as asked."""
+    turn = np.rad2deg(np.abs(look_at(places, distance)[..., 0]))
+    fit = (view.shows(places) & (turn <= WIDEST_DEG)).all(-1)
+    first, second = np.triu_indices(places.shape[-2], 1)
+    one, other = places[..., first, :], places[..., second, :]
+    apart = np.rad2deg(separation(one, other, distance))
+    aside = np.abs(np.arctan2(one[..., 1], one[..., 0]) - np.arctan2(other[..., 1], other[..., 0]))
+    down = np.abs(np.arctan2(0.18, one[..., 0]) - np.arctan2(0.18, other[..., 0]))
+    merged = (aside < 0.06) & (down < 0.10)
+    return np.asarray(fit & ((apart >= apart_deg[0]) & (apart <= apart_deg[1]) & ~merged).all(-1))

@@ -92,7 +92,7 @@ def test_teachers_keep_within_the_run_profile(name: str) -> None:
 
 
 def test_unknown_movement_names_those_there_are() -> None:
-    with pytest.raises(BodyError, match="unknown head movement 'nodd'.*did you mean 'nod'"):
+    with pytest.raises(BodyError, match=r"unknown head movement 'nodd'.*did you mean 'nod'"):
         movement("nodd", np.random.default_rng(0))
 
 
