@@ -183,6 +183,8 @@ def learning_curve(
         for one, noise in ((experience, 0.0), (blurry, config.seeing_noise_deg)):
             part = one.first(float(minutes))
             point[0] = part.minutes
+            if points and point[0] <= points[-1][0]:  # no shorter than one cycle of leap and acts
+                continue
             try:
                 image = image_of(part, options, found)
                 rng = np.random.default_rng([config.seed, 16])
@@ -190,7 +192,8 @@ def learning_curve(
                 point.append(row.error_deg(through_mirror(image, body, found, row.performance, frames, noise, rng)))
             except BabblingError:
                 point.append(np.nan)
-        points.append(point)
+        if len(point) == 3:
+            points.append(point)
     return np.array(points)
 
 
@@ -241,7 +244,7 @@ def measure(
             "ik_deg": row.error_deg(None),
             "learned_deg": row.error_deg(row.clean),
             "learned_noisy_deg": row.error_deg(row.noisy),
-            "unreachable_frames": int(np.any([~reach for reach in row.oracle.reachable.values()], axis=0).sum()),
+            "unreachable_frames": int(sum((~reach).sum() for reach in row.oracle.reachable.values())),
             "frames": len(row.clean.angles),
             "speed_q999": max(float(np.quantile(np.abs(np.diff(who.angles, axis=0)), 0.999)) / body.tick_s
                               for who in (row.clean, row.noisy)),

@@ -150,8 +150,8 @@ def correspondence_metrics(
 ) -> dict[str, Any]:
     """The learned correspondence and the oracle where inverse kinematics can reach.
 
-    unreachable_frames: in which at least one part is out of reach. correspond_p50_ms: processor time of the whole
-    movement, all limbs, per frame.
+    unreachable_frames: summed over parts, each of which is in or out of reach by itself.
+    correspond_p50_ms: processor time of the whole movement, all limbs, per frame.
     """
     if oracle is None:
         return {}
@@ -161,7 +161,7 @@ def correspondence_metrics(
     metrics = {
         "ik_limb_direction_error_deg": _mean(oracle.error_deg, reach),
         "limb_direction_error_deg": _mean(own or oracle.error_deg, reach),
-        "unreachable_frames": int(np.any([~reach[part] for part in parts], axis=0).sum()),
+        "unreachable_frames": int(sum((~reach[part]).sum() for part in parts)),
     }
     if corresponded is None:
         return metrics
