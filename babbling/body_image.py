@@ -130,7 +130,8 @@ def learn_image(
     images: dict[str, PartImage] = {}
     doubt = np.empty((len(library), len(experience.parts)))
     for number, part in enumerate(experience.parts):
-        order = np.argsort(-organs.information[number], kind="stable")
+        told = np.where(organs.moves[number], 1 + organs.information[number], 0)
+        order = np.argsort(-told, kind="stable")
         joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
         images[part], doubt[:, number] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2, library)
     return BodyImage(organs, MappingProxyType(images), low, high, rest.copy(), library, doubt, experience.minutes)

@@ -25,9 +25,8 @@ EDGES_DEG = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
 LABELS = tuple(f"{low:g}-{high:g} deg" for low, high in zip((0.0, *EDGES_DEG), (*EDGES_DEG, 180.0), strict=True))
 IMAGINED = 0.5
 """Imagined visits of every category before any is seen (Jeffreys' prior), so that nothing is ruled out for good."""
-LEAST_BITS = 0.4
-"""Information from which a motor counts as moving a part. With 3 deg of noise and 6 body-minutes (40 runs on HOAP-2) the
-weakest mover had 0.46 bit, the strongest stranger 0.35; the more acts, the wider that gap."""
+LEAST_BITS = 0.35
+"""Information from which a motor is first taken to move a part; the second look (`Organs.moves`) decides."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,13 @@ class Organs:
 
     @property
     def moves(self) -> NDArray[np.bool_]:
-        """(P, F) whether factor f moves part p."""
-        moves: NDArray[np.bool_] = self.information >= LEAST_BITS
+        """(P, F) whether factor f moves part p.
+
+        Two looks. The information picks clear movers; how they turn parts, and how the others do, then makes of every
+        pair's acts a likelihood ratio: one clear turn outweighs several small ones.
+        """
+        moved, still = self._pooled(self.information >= LEAST_BITS)
+        moves: NDArray[np.bool_] = self._counts[:, :-1] @ np.log(moved / still) > 0
         return moves
 
     def likelihood(self) -> FloatArray:
@@ -56,11 +60,23 @@ class Organs:
 
         A motor acts a dozen times in a short babble, too seldom for a table of its own; all movers together act often.
         """
-        counts = self.amounts.counts / self.amounts.unit
-        moves = np.concatenate([self.moves, np.zeros((len(self.parts), 1), bool)], axis=1)
-        moved, still = (counts[which].sum(0) + IMAGINED for which in (moves, ~moves))
-        table: FloatArray = np.where(moves[..., None], moved / moved.sum(), still / still.sum())
+        moves = self.moves
+        moved, still = self._pooled(moves)
+        table: FloatArray = np.where(self._with_nothing(moves)[..., None], moved, still)
         return table
+
+    @property
+    def _counts(self) -> FloatArray:
+        return self.amounts.counts / self.amounts.unit
+
+    def _pooled(self, moves: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+        """P(amount | moved) and P(amount | not moved)."""
+        which = self._with_nothing(moves)
+        moved, still = self._counts[which].sum(0) + IMAGINED, self._counts[~which].sum(0) + IMAGINED
+        return moved / moved.sum(), still / still.sum()
+
+    def _with_nothing(self, moves: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        return np.concatenate([moves, np.zeros((len(moves), 1), bool)], axis=1)
 
 
 def categories(amounts: FloatArray) -> IntArray:
