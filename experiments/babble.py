@@ -9,7 +9,7 @@ from rich.markdown import Markdown
 
 from babbling.storage import check_kind
 from experiments.errors import ExperimentError
-from experiments.experiment import as_json, try_writing
+from experiments.experiment import as_json, check_out, publish, try_writing
 from experiments.gesture import curve_metrics
 from experiments.gesture_figures import learning_curve
 from experiments.minds import DEFAULT_MINUTES, BodyOptions, check_minutes, learn_mind, save_learned
@@ -22,7 +22,8 @@ class Config:
     """Options of `imitate babble`."""
 
     robot: str = "hoap2"
-    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators; biclops babbles with its eyes, as
+    `imitate saccades` does, and leaves a folder."""
     babbling_minutes: float = DEFAULT_MINUTES
     """Body-minutes of babbling, over all copies."""
     sensor_noise_deg: float = 0.0
@@ -45,6 +46,9 @@ def command(config: Config) -> None:
     Raises:
         ExperimentError: the file cannot be written, or an interrupted babble of other options is in the way.
     """
+    if config.robot == "biclops":
+        with_eyes(config)
+        return
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
     check_file(out)
     check_minutes(config.babbling_minutes)
@@ -92,6 +96,29 @@ def check_file(out: Path) -> None:
         raise ExperimentError(
             f"--out {out}: cannot be written ({error.strerror or error}); name a file that can"
         ) from error
+
+
+def with_eyes(config: Config) -> None:
+    """A head's babble: what `imitate saccades` does, into a folder.
+
+    Raises:
+        ExperimentError: options that a head does not have.
+    """
+    from experiments import saccades
+
+    if config.sensor_noise_deg or config.scramble is not None:
+        raise ExperimentError("--sensor-noise-deg and --scramble are for bodies of many joints; biclops has neither")
+    if config.out is not None and config.out.suffix:
+        raise ExperimentError(
+            f"--out {config.out}: biclops leaves a folder (recording, figures, eyes.nc); name a folder"
+        )
+    out = config.out or Path("runs") / "biclops"
+    check_out(out)
+    looking = saccades.Config(babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
+    result = saccades.run(looking)
+    publish("saccades", looking, result)
+    Console().print(Markdown(result.summary))
+    print(f"\nwritten to {out}")
 
 
 if __name__ == "__main__":
