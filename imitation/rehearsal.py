@@ -2,7 +2,8 @@
 
 How eagerly an error may be undone, and how far habit is to be trusted, depends on the body: a worn joint that is pushed
 too hard starts to hunt, a fresh one that is held back lags. The mind performs a made-up movement with every candidate
-and keeps, joint by joint, what felt closest. It judges by its own senses alone.
+and keeps, joint by joint, what felt closest (how far habit is trusted is settled for the whole body). It judges by its own
+senses alone.
 """
 
 from collections.abc import Callable
@@ -73,7 +74,9 @@ def rehearse(make_body: Callable[[int], Body], mind: Mind, seed: int) -> Mind:
     errors = [felt_errors(body, mind, BayesianInverse(mind.forward_model, habit=habit), seed) for habit in HABIT]
     choice = np.stack([calmest(e) for e in errors])  # (habit, F)
     reached = np.stack([np.take_along_axis(e, c[None], 0)[0] for e, c in zip(errors, choice, strict=True)])
-    habit = calmest(reached)
+    # one trust for the whole body: a single worn joint that leaves its habit may hunt where rehearsal did not go
+    gain = float(np.median(reached[1] / reached[0]))
+    habit = np.full(reached.shape[1], int(gain * CALM < 1), np.intp)
     chosen = np.take_along_axis(choice, habit[None], 0)[0]
     return replace(mind, temper=Temper(np.array(EAGERNESS)[chosen], np.array(HABIT)[habit]))
 
