@@ -2,8 +2,8 @@
 
 How eagerly an error may be undone, and how far habit is to be trusted, depends on the body: a worn joint that is pushed
 too hard starts to hunt, a fresh one that is held back lags. The mind performs a made-up movement with every candidate
-and keeps, joint by joint, what felt closest (how far habit is trusted is settled for the whole body). It judges by its own
-senses alone.
+and keeps, joint by joint, what felt closest; how far habit is trusted is settled for the whole body. It judges by its
+own senses alone.
 """
 
 from collections.abc import Callable
