@@ -19,7 +19,7 @@ from experiments.errors import ExperimentError
 from experiments.experiment import Result
 from experiments.gesture import curve_metrics
 from experiments.gesture_figures import learning_curve
-from experiments.minds import COPIES, DEFAULT_MINUTES, BodyOptions, Curve, LearningCurve, learn_mind
+from experiments.minds import COPIES, DEFAULT_MINUTES, BodyOptions, Curve, LearningCurve, bare_rate, learn_mind
 from experiments.peers import MLPInverse, have_sklearn
 from experiments.performed import TrueAngles
 from experiments.progress import progress
@@ -152,14 +152,8 @@ def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 2
         started = time.perf_counter()
         babble(body, mind.pilot, (ticks,), options.seed + number, onto=model)
         ours = time.perf_counter() - started
-        stream = mind.pilot.stream(body, np.random.default_rng([options.seed + number, 3, 0]))
-        commands = [body.commands(next(stream)) for _ in range(ticks)]
-        body.reset()
-        started = time.perf_counter()
-        for command in commands:
-            body.batch.ctrl[:] = command
-            body.batch.step(nstep=body.substeps)
-        ratios.append((time.perf_counter() - started) / ours)
+        bare = ticks / bare_rate(body, mind.pilot, np.random.default_rng([options.seed + number, 3, 0]), ticks)
+        ratios.append(bare / ours)
     return float(np.median(ratios))
 
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -165,15 +165,17 @@ def learn_mind(
         "babbling_wall_s": spent,
         "pilot_wall_s": piloted,
         "babbling_outside": int(model.outside.sum()),
-        "babbling_efficiency_factor": (ticks / spent) / bare_rate(body, found, options.seed) if spent > 0 else 1.0,
+        "babbling_efficiency_factor": (ticks / spent) / bare_rate(body, found, np.random.default_rng([options.seed, 6]))
+        if spent > 0
+        else 1.0,
         "steps_per_second_factor": ticks * COPIES * body.substeps / spent if spent > 0 else 0.0,
     }
     return Learned(mind, metrics, curve.result() if curve.points else None)
 
 
-def bare_rate(body: SimulatedBody, found: Pilot, seed: int, ticks: int = BARE_TICKS) -> float:
+def bare_rate(body: SimulatedBody, found: Pilot, rng: np.random.Generator, ticks: int = BARE_TICKS) -> float:
     """Ticks per second of `mujoco.batch` alone, stepping the same bodies through babbling's own commands."""
-    stream = found.stream(body, np.random.default_rng([seed, 6]))
+    stream = found.stream(body, rng)
     commands = [body.commands(next(stream)) for _ in range(ticks)]
     body.reset()
     started = time.perf_counter()
@@ -209,7 +211,7 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
 def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: float) -> None:
     """Write the mind with what a reader may want to know."""
     save_mind(
-        replace(learned.mind),
+        learned.mind,
         path,
         robot=options.robot,
         minutes=minutes,
