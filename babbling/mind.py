@@ -15,7 +15,7 @@ from babbling.pilot import Pilot, pilot
 
 @dataclass(frozen=True)
 class Temper:
-    """How a mind acts on what it knows, found by rehearsal (`imitation.rehearsal`), never set by hand."""
+    """How a mind acts on what it knows, found by rehearsal (`imitation.acting.rehearsal`), never set by hand."""
 
     eagerness: FloatArray
     """(F,) share of the believed error to be undone within one tick."""

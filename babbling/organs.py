@@ -7,7 +7,7 @@ context, one factor per part:
 
 The mutual information between "m acted, or nothing did" and the amount says whether m moves p at all: the sparse
 structure that makes a body of many joints tractable. Turned round by Eq. (1) the same table says which motor, and so
-which part, somebody else has just moved (`imitation.organ`).
+which part, somebody else has just moved (`imitation.correspondence.organ`).
 """
 
 from dataclasses import dataclass

@@ -11,8 +11,8 @@ from rich.markdown import Markdown
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.experiment import check_out, folder, publish
 from experiments.registry import EXPERIMENTS, entry
+from experiments.shared.experiment import check_out, folder, publish
 from models.errors import BodyError
 
 USAGE = "usage: imitate NAME [options] | imitate list | imitate NAME --help"
@@ -35,6 +35,11 @@ def main(arguments: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 130
+
+
+def script(package: str | None) -> None:
+    """Run the experiment that this package is, with the words of the command line (`python -m experiments.NAME`)."""
+    sys.exit(main([str(package).rpartition(".")[2], *sys.argv[1:]]))
 
 
 def listing(*, full: bool) -> None:

@@ -10,14 +10,14 @@ from models.errors import unknown
 
 @dataclass(frozen=True)
 class Entry:
-    """One experiment: where it lives and what it does, in a line."""
+    """One experiment: its folder here and what it does, in a line."""
 
-    module: str
+    name: str
     line: str
 
     def load(self) -> ModuleType:
         """The module, imported only when it is wanted: help must not wait for physics."""
-        return import_module(f"experiments.{self.module}")
+        return import_module(f"experiments.{self.name}.run")
 
 
 EXPERIMENTS: dict[str, Entry] = {

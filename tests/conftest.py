@@ -10,9 +10,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import babbling.loop
-import experiments.minds
-import imitation.movement
-import imitation.rehearsal
+import experiments.shared.minds
+import imitation.acting.movement
+import imitation.acting.rehearsal
 from babbling.mind import Mind, learn
 from models.loading import load_body
 
@@ -95,11 +95,11 @@ def hasty() -> Iterator[None]:
 
 def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     """What takes long only to be good for a robot of 25 joints, made short."""
-    replace(experiments.minds, "COPIES", 8)
-    replace(experiments.minds, "BARE_TICKS", 10)
+    replace(experiments.shared.minds, "COPIES", 8)
+    replace(experiments.shared.minds, "BARE_TICKS", 10)
     replace(babbling.loop, "BOUT_TICKS", 150)
-    replace(imitation.movement, "APPROACH_S", 1.0)
-    replace(imitation.rehearsal, "MOVEMENTS", 1)
-    replace(imitation.rehearsal.made_up_movement, "__defaults__", (1.0,))
+    replace(imitation.acting.movement, "APPROACH_S", 1.0)
+    replace(imitation.acting.rehearsal, "MOVEMENTS", 1)
+    replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))
     save = Figure.savefig
     replace(Figure, "savefig", lambda figure, path, **_: save(figure, path, dpi=20))

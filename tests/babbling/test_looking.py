@@ -8,7 +8,7 @@ from babbling.looking import Reach, copy_terms, pilot_looking, saccades
 from babbling.looking_storage import load_looking, save_looking
 from babbling.loop import babble, explore, flat
 from babbling.sight import LookingMind, Sight
-from imitation.fixation import Fixation
+from imitation.gaze.fixation import Fixation
 
 FOCAL, HALF = 138.6, np.array([79.5, 59.5])
 REACH = Reach(np.array([-0.6, -0.4]), np.array([0.6, 0.4]), np.array([0.5, 0.4]))

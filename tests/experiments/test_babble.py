@@ -13,9 +13,9 @@ import pytest
 import xarray as xr
 
 from babbling.storage import load_mind, save_mind
-from experiments import minds
 from experiments.__main__ import main
-from experiments.minds import learn_mind
+from experiments.shared import minds
+from experiments.shared.minds import learn_mind
 
 MINUTES = "1.0"  # three bouts of 8 copies
 

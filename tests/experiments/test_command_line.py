@@ -13,9 +13,9 @@ import pytest
 
 from babbling.mind import Mind
 from babbling.storage import VERSION, save_mind
-from experiments import minds
 from experiments.__main__ import in_one_line, main
-from experiments.experiment import as_json
+from experiments.shared import minds
+from experiments.shared.experiment import as_json
 
 Refused = Callable[..., str]
 

@@ -12,13 +12,13 @@ import pytest
 from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 
-import experiments.correspondence
-import experiments.mirrors
+import experiments.correspondence.run
+import experiments.shared.mirrors
 from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
-from experiments.minds import BodyOptions
-from experiments.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.minds import BodyOptions
+from experiments.shared.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
 from models.body import SimulatedBody
 from models.retargeting import Retargeted, retarget
 from models.teachers import Performance, perform_motion
@@ -44,9 +44,9 @@ def babbled_without_inertia(body: SimulatedBody, *rest: Any, **more: Any) -> Mir
 @pytest.fixture(scope="module")
 def quick() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(experiments.mirrors, "mirror_babble", babbled_without_inertia)
-        patch.setattr(experiments.mirrors, "COPIES", COPIES)
-        patch.setattr(experiments.correspondence, "CURVE_POINTS", 1)
+        patch.setattr(experiments.shared.mirrors, "mirror_babble", babbled_without_inertia)
+        patch.setattr(experiments.shared.mirrors, "COPIES", COPIES)
+        patch.setattr(experiments.correspondence.run, "CURVE_POINTS", 1)
         yield
 
 

@@ -5,11 +5,11 @@ import pytest
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.gaze import Config, run
-from experiments.gaze_covered import own_experience
-from experiments.gaze_trials import Scene
+from experiments.gaze.covered import own_experience
+from experiments.gaze.run import Config, run
+from experiments.gaze.trials import Scene
 from imitation.errors import ImitationError
-from imitation.gaze import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, calibration_error, facing
+from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, calibration_error, facing
 from models.biclops.cloth import through_cloth
 from models.biclops.gaze import lay_out, look_at, possible, separation
 from models.errors import BodyError
@@ -59,7 +59,7 @@ def test_who_cannot_see_tells_nothing_and_a_resting_head_hardly_anything() -> No
 
 
 def test_where_gaze_comes_from_and_how_surely_is_learned_from_shown_goals() -> None:
-    from imitation.gaze import Shown
+    from imitation.gaze.reader import Shown
 
     rng = np.random.default_rng(1)
     origin = np.array([-0.5, 0.1, -0.3])

@@ -7,11 +7,11 @@ import pytest
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.head import Config, run, within_reach
-from experiments.head_recall import rms_deg
+from experiments.head.recall import rms_deg
+from experiments.head.run import Config, run, within_reach
 from imitation.errors import ImitationError
 from imitation.head_memory import HeadMemory, load_head_memory, save_head_memory
-from imitation.pose import Appearance, frame_pose, watch
+from imitation.seeing.pose import Appearance, frame_pose, watch
 from models.biclops.facts import MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S
 from models.biclops.movements import MOVEMENTS, movement
 from models.errors import BodyError

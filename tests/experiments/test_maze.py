@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
-from experiments.experiment import as_json
-from experiments.maze import Config, run
-from experiments.maze_benchmark import rows
-from experiments.maze_imitators import Imitators
-from experiments.maze_learning import CHECKPOINTS, expected_distance, outings, walkers
-from experiments.maze_mind import UNSEEN, infer, junctions, teach, watched
-from experiments.maze_planners import (
+from experiments.benchmark.maze import rows
+from experiments.maze.imitators import Imitators
+from experiments.maze.learning import CHECKPOINTS, expected_distance, outings, walkers
+from experiments.maze.mind import UNSEEN, infer, junctions, teach, watched
+from experiments.maze.planners import (
     Q_SETTINGS,
     QLearners,
     Walls,
@@ -23,10 +21,12 @@ from experiments.maze_planners import (
     steps_to_go,
     wanderers,
 )
-from experiments.maze_study import study
-from experiments.maze_trials import IMITATION_BUDGETS, reliable_from
+from experiments.maze.run import Config, run
+from experiments.maze.study import study
+from experiments.maze.trials import IMITATION_BUDGETS, reliable_from
+from experiments.shared.experiment import as_json
 from imitation.deferred import load_memory
-from imitation.priors import ActionPriors
+from imitation.inference.priors import ActionPriors
 from models.maze import TRUE_DYNAMICS, MazeBody, default_maze, parse_maze
 
 TINY = """\
@@ -60,7 +60,7 @@ def command(*words: object) -> int:
 
 
 def test_a_run_leaves_what_it_promises(tiny, tmp_path, monkeypatch):
-    monkeypatch.setattr("experiments.experiment.version", lambda name: "0")  # works uninstalled as well
+    monkeypatch.setattr("experiments.shared.experiment.version", lambda name: "0")  # works uninstalled as well
     out = tmp_path / "out"
     assert command("--maze", tiny, "--goal", 3, "--wander-steps", 3000, "--selection", "matching", "--out", out) == 0
     left = {path.name for path in out.iterdir()}
@@ -278,8 +278,8 @@ def test_reliable_from_is_the_first_budget_that_is_enough():
 
 
 def test_benchmark_rows_agree_with_bare_numpy(monkeypatch):
-    monkeypatch.setattr("experiments.maze_benchmark.TRANSITIONS", 2000)
-    monkeypatch.setattr("experiments.maze_benchmark.POSTERIORS", 100)
+    monkeypatch.setattr("experiments.benchmark.maze.TRANSITIONS", 2000)
+    monkeypatch.setattr("experiments.benchmark.maze.POSTERIORS", 100)
     found = rows()
     assert {row.question for row in found} == {"learn", "action posterior"}
     assert all(row.largest_difference < 1e-12 for row in found)

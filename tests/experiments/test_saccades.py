@@ -5,10 +5,10 @@ import pytest
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.eyes import APART, TOYS, EyeOptions, learn_to_look, nursery, toy_places
-from experiments.saccades import Config, run
-from imitation.finding import Finder, places
-from imitation.seeing import Feature
+from experiments.saccades.run import Config, run
+from experiments.shared.eyes import APART, TOYS, EyeOptions, learn_to_look, nursery, toy_places
+from imitation.seeing.features import Feature
+from imitation.seeing.finding import Finder, places
 from models.biclops import SCENE
 from models.errors import BodyError
 from models.heads import EYE_HEIGHT, HEADS, check_sees, stage

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from babbling.moves import overridden
-from imitation.bayes import action_posterior, goal_posterior, goal_posterior_unobserved
 from imitation.errors import ImitationError
+from imitation.inference.bayes import action_posterior, goal_posterior, goal_posterior_unobserved
 
 EXACT = 1e-12
 sizes = st.integers(1, 7)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from babbling.axes import FloatArray
 from babbling.dynamics import LinearDynamics
 from babbling.schema import BodySchema
-from imitation.belief import Belief, StateEstimate
+from imitation.acting.belief import Belief, StateEstimate
 
 
 def schema(noise: float, rate_noise: float, factors: int = 1) -> BodySchema:

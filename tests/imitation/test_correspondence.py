@@ -8,12 +8,12 @@ import pytest
 from babbling.body_image import BodyImage, learn_image
 from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
-from imitation.correspondence import correspond
+from imitation.correspondence.correspondence import correspond
+from imitation.correspondence.limbs import own_limbs
+from imitation.correspondence.organ import identify, owners
+from imitation.correspondence.steadying import steady
+from imitation.correspondence.tries import try_again
 from imitation.errors import ImitationError
-from imitation.limbs import own_limbs
-from imitation.organ import identify, owners
-from imitation.steadying import steady
-from imitation.tries import try_again
 from tests.babbling.creature import MOVES, PARTS, Creature, directions, motors, schema
 
 SPEED = np.full(5, 5.0)

@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from babbling.errors import BabblingError
 from babbling.loop import babble
 from babbling.moves import DIRECTIONS, Wanderer
-from imitation.bayes import action_posterior
+from imitation.acting.follow import follow
+from imitation.acting.subgoals import acyclic_subgoals
 from imitation.deferred import FORMAT, load_memory, remember, save_memory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
-from imitation.follow import follow
-from imitation.priors import ActionPriors, check_goal_prior
-from imitation.subgoals import acyclic_subgoals
+from imitation.inference.bayes import action_posterior
+from imitation.inference.priors import ActionPriors, check_goal_prior
 
 
 class Field:

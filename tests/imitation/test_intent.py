@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imitation.errors import ImitationError
-from imitation.intent import in_blocks, intent_by_step, intent_filter
+from imitation.inference.intent import in_blocks, intent_by_step, intent_filter
 
 seeds = st.integers(0, 2**32 - 1)
 

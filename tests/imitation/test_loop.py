@@ -9,12 +9,12 @@ from babbling.axes import Axis
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
 from babbling.mind import learn
-from imitation.bayes import action_posterior
+from imitation.acting.loop import imitate
+from imitation.acting.movement import Movement
+from imitation.acting.rehearsal import EAGERNESS, HABIT, made_up_movement, rehearse
 from imitation.errors import ImitationError
-from imitation.inverse import BayesianInverse, LinearInverse
-from imitation.loop import imitate
-from imitation.movement import Movement
-from imitation.rehearsal import EAGERNESS, HABIT, made_up_movement, rehearse
+from imitation.inference.bayes import action_posterior
+from imitation.inference.inverse import BayesianInverse, LinearInverse
 from models.loading import load_body
 from models.motion import read_motion
 

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 from babbling.axes import FloatArray
 from babbling.schema import BodySchema
+from imitation.acting.attempts import Memory
+from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement, approach
+from imitation.acting.rehearsal import CALM, calmest
 from imitation.errors import ImitationError
-from imitation.memory import Memory
-from imitation.movement import APPROACH_S, RUN_UP_S, Movement, approach
-from imitation.rehearsal import CALM, calmest
 
 TICK = 0.02
 seeds = st.integers(0, 2**32 - 1)

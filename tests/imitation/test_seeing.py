@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from imitation.errors import ImitationError
-from imitation.seeing import COLOURS, Feature, find_features, locate, match_stereo, opponent, salience
+from imitation.seeing.features import COLOURS, Feature, find_features, locate, match_stereo, opponent, salience
 from models.biclops import facts
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, room, wear_cloth
 from models.retina import RetinaOptions, open_eye

@@ -8,7 +8,7 @@ from scipy.stats import chisquare, kstest
 
 from babbling.axes import Axis
 from imitation.errors import ImitationError
-from imitation.selection import SELECTION, select_map, select_matching, select_mean, selection_rule
+from imitation.inference.selection import SELECTION, select_map, select_matching, select_mean, selection_rule
 
 seeds = st.integers(0, 2**32 - 1)
 CATEGORIES = Axis.categorical("action", ("N", "E", "S", "W", "X"))

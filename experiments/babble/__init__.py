@@ -1,0 +1,1 @@
+"""A robot babbles into a file."""

@@ -1,0 +1,210 @@
+"""Peers in one table: same body, same babbling, same loop, each inverse model at its best gain; and what it costs."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from babbling.axes import FloatArray
+from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
+from babbling.mind import Mind
+from experiments.benchmark import maze as maze_benchmark
+from experiments.benchmark.peers import MLPInverse, have_sklearn
+from experiments.errors import ExperimentError
+from experiments.gesture.figures import learning_curve
+from experiments.gesture.found import TrueAngles
+from experiments.gesture.run import curve_metrics
+from experiments.shared.baselines import direct_replay, replay_commands, rmse_deg
+from experiments.shared.experiment import Result
+from experiments.shared.minds import COPIES, DEFAULT_MINUTES, BodyOptions, Curve, LearningCurve, bare_rate, learn_mind
+from experiments.shared.progress import progress
+from experiments.shared.watching import watch
+from imitation.acting.loop import imitate
+from imitation.acting.rehearsal import best_eagerness
+from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse
+from models.body import SimulatedBody
+from models.feedforward import feedforward_angles
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate benchmark`."""
+
+    demonstrations: tuple[str, ...] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")
+    """What to imitate: built-in names or files."""
+    robot: str = "hoap2"
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
+    babbling_minutes: float = DEFAULT_MINUTES
+    """Body-minutes of babbling."""
+    floor: float = 10.0
+    """Also babble this many times as long, for the floor of the learning curve; 0 leaves it out."""
+    attempts: int = 5
+    """Attempts of the discretised Bayesian model."""
+    peers: bool = False
+    """Also the maze's peers (pgmpy, pymdp) where they are installed."""
+    sensor_noise_deg: float = 0.0
+    """Standard deviation of every angle sense, degrees."""
+    scramble: int | None = None
+    """Seed of an unknown wiring."""
+    seed: int = 0
+    """Seed of everything random."""
+    threads: int = 2
+    """Worker threads."""
+    out: Path | None = None
+    """Folder for the results (runs/benchmark)."""
+
+
+def run(config: Config) -> Result:
+    """Babble once, imitate with everyone, measure the babble's own speed."""
+    if config.attempts < 1:
+        raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
+    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
+    body = options.body(1, stream=3)
+    seen = {name: watch(name, body) for name in config.demonstrations}
+    with progress("babbling") as report:
+        learned = learn_mind(options, config.babbling_minutes, report)
+    mind = learned.mind
+    peers = inverse_models(mind, options)
+    table: dict[str, dict[str, float]] = {}
+    metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
+    with progress("imitating") as report:
+        gains: dict[str, FloatArray] = {}
+        for done, (name, one) in enumerate(seen.items()):
+            row = {"direct replay": rmse_deg(direct_replay(body, one.angles), one.angles)}
+            for peer, inverse in peers.items():
+                if peer not in gains:
+                    bayesian = isinstance(inverse, BayesianInverse)
+                    gains[peer] = mind.temper.eagerness if bayesian else best_gain(options, mind, inverse)
+                attempts = imitate(
+                    body,
+                    one.movement,
+                    mind,
+                    inverse=inverse,
+                    eagerness=gains[peer],
+                    attempts=config.attempts if peer == "Bayesian, mean" else 1,
+                    rng=np.random.default_rng([config.seed, 8]),
+                    witness=TrueAngles(body),
+                )
+                row[peer] = rmse_deg(attempts[0].truth[:, 0], one.angles)
+                if len(attempts) > 1:
+                    row[f"Bayesian, mean, attempt {len(attempts)}"] = rmse_deg(attempts[-1].truth[:, 0], one.angles)
+                if peer == "Bayesian, mean":
+                    select = 1e3 * np.concatenate([a.select_s for a in attempts])
+                    metrics["select_p50_ms"], metrics["select_p99_ms"] = (
+                        float(np.median(select)),
+                        float(np.quantile(select, 0.99)),
+                    )
+            row["true inverse dynamics"] = rmse_deg(true_inverse(body, one.angles), one.angles)
+            table[name] = row
+            report((done + 1) / len(seen))
+    metrics["rmse_deg"] = table
+    metrics["babbling_efficiency_factor"] = efficiency(options, mind)
+    floor = None
+    if config.floor > 0 and learned.curve is not None:
+        floor = curve_floor(options, mind, config.babbling_minutes * config.floor)
+        metrics["learning_curve_floor_body_minutes"], metrics["learning_curve_floor_deg"] = floor
+    maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
+    metrics |= maze_benchmark.metrics(maze)
+    figures = {"peers": bars(table)}
+    if learned.curve is not None:
+        figures["learning_curve"] = learning_curve(learned.curve, floor)
+    return Result(metrics, summarise(table, metrics, learned.curve) + "\n\n" + maze_table(maze), figures)
+
+
+def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
+    """Everyone who answers "what action leads there", by name."""
+    models: dict[str, InverseModel] = {
+        f"Bayesian, {rule}": BayesianInverse(mind.forward_model, rule, habit=mind.temper.habit)
+        for rule in ("mean", "map", "matching")
+    }
+    models["linear"] = LinearInverse(mind.forward_model)
+    if have_sklearn():
+        body = options.body(COPIES)
+        before, motors, after = flat(*experience(body, mind.pilot, options.seed, 0, BOUT_TICKS))
+        models["MLP"] = MLPInverse(mind, mind.pilot.reading.transitions(before, motors, after), options.seed)
+    return models
+
+
+def best_gain(options: BodyOptions, mind: Mind, inverse: InverseModel) -> FloatArray:
+    """(F,) eagerness at which this inverse model feels closest in rehearsal."""
+    return best_eagerness(lambda copies: options.body(copies, stream=1), mind, inverse, options.seed)
+
+
+def true_inverse(body: SimulatedBody, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, J) angles reached by inverse-dynamics feedforward with the true model."""
+    return replay_commands(body, angles, lambda whole: feedforward_angles(body, whole))
+
+
+def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 250) -> float:
+    """Babbling (exploring, acting, feeling, counting) against bare `mujoco.batch` stepping of the same bodies through
+    the same commands, in turn; the median of the rates' ratio.
+    """
+    body = options.body(COPIES)
+    model = mind.pilot.forward_model()
+    ratios = []
+    for number in range(rounds):
+        started = time.perf_counter()
+        babble(body, mind.pilot, (ticks,), options.seed + number, onto=model)
+        ours = time.perf_counter() - started
+        bare = ticks / bare_rate(body, mind.pilot, np.random.default_rng([options.seed + number, 3, 0]), ticks)
+        ratios.append(bare / ours)
+    return float(np.median(ratios))
+
+
+def curve_floor(options: BodyOptions, mind: Mind, minutes: float) -> tuple[float, float]:
+    """(body-minutes, degrees) held-out error of the same table after a far longer babble."""
+    body = options.body(COPIES)
+    plan = bouts(minutes, body)
+    with progress(f"{minutes:.0f} body-minutes for the floor of the learning curve") as report:
+        model = babble(body, mind.pilot, plan, options.seed, after_bout=lambda done, so_far: report(done / len(plan)))
+    curve = Curve(options, mind.pilot)
+    curve.note(sum(plan) * COPIES * body.tick_s / 60, model)
+    return float(curve.result().minutes[0]), float(curve.result().table_deg[0])
+
+
+def summarise(table: dict[str, dict[str, float]], metrics: dict[str, Any], curve: LearningCurve | None) -> str:
+    """Peers as a markdown table, degrees, then the costs."""
+    peers = list(next(iter(table.values())))
+    lines = ["Joint error, root mean square over all joints and frames, degrees", ""]
+    lines += ["| peer | " + " | ".join(Path(name).name for name in table) + " |", "|---" * (len(table) + 1) + "|"]
+    lines += [f"| {peer} | " + " | ".join(f"{row[peer]:.4f}" for row in table.values()) + " |" for peer in peers]
+    lines += ["", "| cost | |", "|---|---|"]
+    lines.append(f"| babbling against bare stepping of the same bodies | {metrics['babbling_efficiency_factor']:.2f} |")
+    lines.append(f"| one selection for all joints | {metrics['select_p50_ms']:.2f} ms |")
+    if curve is not None:
+        end = f"{curve.table_deg[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
+        lines.append(f"| held-out prediction error | {end} (line {curve.linear_deg[-1]:.4f}) |")
+    if "learning_curve_floor_deg" in metrics:
+        floor = f"{metrics['learning_curve_floor_deg']:.4f} deg"
+        lines.append(f"| the same after {metrics['learning_curve_floor_body_minutes']:.0f} body-minutes | {floor} |")
+    return "\n".join(lines)
+
+
+def maze_table(rows: list[maze_benchmark.Row]) -> str:
+    """The maze's questions as a markdown table."""
+    lines = ["| maze question | who | us each | times ours | largest difference |", "|---|---|---|---|---|"]
+    lines += [
+        f"| {r.question} | {r.who} | {r.each_us:.3f} | {r.times_ours_factor:.2f} | {r.largest_difference:.1e} |"
+        for r in rows
+    ]
+    return "\n".join(lines)
+
+
+def bars(table: dict[str, dict[str, float]]) -> Figure:
+    """Error of every peer on every demonstration."""
+    figure = Figure(figsize=(10, 4.8), layout="constrained")
+    axis = figure.subplots()
+    peers = list(next(iter(table.values())))
+    width = 0.85 / len(table)
+    for i, (name, row) in enumerate(table.items()):
+        axis.bar(np.arange(len(peers)) + i * width, [row[peer] for peer in peers], width, label=Path(name).name)
+    axis.set_xticks(np.arange(len(peers)) + 0.4, peers, rotation=20, ha="right")
+    axis.set_yscale("log")
+    axis.set_ylabel("joint error [deg]")
+    axis.set_title("Same body, same babbling, same loop, each at its best gain")
+    axis.legend(frameon=False, fontsize=8)
+    return figure

@@ -1,0 +1,62 @@
+"""Two hundred single acts of all teachers: which part was that, and how often must one try until it looks right?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.body_image import BodyImage
+from babbling.pilot import Pilot
+from experiments.shared.mirrors import angles_of, degrees_between
+from imitation.correspondence.organ import identify
+from imitation.correspondence.tries import try_again
+from models.body import SimulatedBody
+from models.mirror import Mirror, blurred
+from models.teachers.acts import movable, single_act
+from models.teachers.robots import ROBOTS
+
+
+@dataclass(frozen=True)
+class Acts:
+    """truth, said: (A,) part numbers, -1 for nothing; errors_deg (A', tries + 1): how far off the right part points,
+    before any try and after each, in acts whose part was identified; parts: names by number."""
+
+    parts: tuple[str, ...]
+    truth: NDArray[np.int64]
+    said: NDArray[np.int64]
+    errors_deg: NDArray[np.float64]
+
+    @property
+    def rate(self) -> float:
+        """Share of acts put to the right part."""
+        return float(np.mean(self.truth == self.said))
+
+
+def act_study(
+    image: BodyImage, body: SimulatedBody, found: Pilot, count: int, tries: int, noise_deg: float, seed: int
+) -> Acts:
+    """Random robots, random parts, random postures; the imitator starts its tries at rest."""
+    rng = np.random.default_rng([seed, 17])
+    noise, mirror = float(np.deg2rad(noise_deg)), Mirror(body)
+    truth, said, errors = [], [], []
+    for number in range(count):
+        robot = list(ROBOTS)[number % len(ROBOTS)]
+        able = [part for part in movable(robot) if part in image.parts]
+        part = able[int(rng.integers(len(able)))]
+        seen = single_act(robot, part, rng).directions
+        shown = np.stack([seen.get(name, np.full_like(seen[part], np.nan)) for name in image.parts], 1)
+        organ = identify(image.organs, blurred(shown, noise, rng), body.tick_s)
+        truth.append(image.parts.index(part))
+        said.append(organ.part)
+        if organ.part == truth[-1]:
+            wanted = shown[-1, organ.part]
+
+            def look(posture: NDArray[np.float64], which: int = organ.part) -> NDArray[np.float64]:
+                return blurred(mirror.shown(angles_of(posture[None], body, found))[0, which], noise, rng)
+
+            eye = blurred(wanted, noise / 3, rng)  # it holds still at the end: ten frames make one good look
+            tried = try_again(image, organ.part, eye, image.rest, look, tries, rng)
+            shows = mirror.shown(angles_of(tried, body, found))[:, organ.part]
+            errors.append(degrees_between(shows, np.broadcast_to(wanted, shows.shape)))
+    table = np.array(errors).reshape(-1, tries + 1)
+    return Acts(image.parts, np.array(truth), np.array(said), table)

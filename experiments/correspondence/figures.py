@@ -1,0 +1,116 @@
+"""Figures of `imitate correspondence`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from experiments.correspondence.run import Studied
+
+BLUE, ORANGE, GREY = "#3b6fd4", "#e8722a", "#8a8a8a"
+
+
+def figures(done: Studied) -> dict[str, Figure]:
+    """File stem -> figure."""
+    return {
+        "structure": structure(done),
+        "teachers": teachers(done),
+        "learning_curve": learning_curve(done),
+        "tries": tries(done),
+    }
+
+
+def structure(done: Studied) -> Figure:
+    """What each joint tells about each part, with noisy eyes."""
+    organs = done.noisy_image.organs
+    labels = [done.body.sense_labels[line] for line in done.pilot.schema.posture]
+    order = [labels.index(joint) for joint in done.body.joints if joint in labels]
+    figure = Figure(figsize=(11, 5.4), layout="constrained")
+    axis = figure.subplots()
+    picture = axis.imshow(organs.information[:, order], aspect="auto", cmap="magma", vmin=0, interpolation="nearest")
+    for row, column in np.argwhere(organs.moves[:, order]):
+        axis.plot(column, row, "o", color="white", mec="black", ms=4)
+    axis.set_xticks(range(len(order)), [labels[i] for i in order], rotation=90, fontsize=7)
+    axis.set_yticks(range(len(organs.parts)), organs.parts, fontsize=8)
+    axis.set_xlabel("joint that acted (labels for people; the imitator knows numbers only)")
+    axis.set_title(f"Organ identification: dots mark what moves what, {done.config.seeing_noise_deg:g} deg of noise")
+    figure.colorbar(picture, ax=axis, label="mutual information of act and turning [bit]")
+    return figure
+
+
+def teachers(done: Studied) -> Figure:
+    """Error of every teacher: oracle, clean eyes, noisy eyes."""
+    names = [name if len(name) < 30 else Path(name).stem for name in done.rows]
+    figure = Figure(figsize=(10, 0.55 * len(names) + 2.2), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    place = np.arange(len(names))
+    oracle = np.array([row.error_deg(None) for row in done.rows.values()])
+    clean = np.array([row.error_deg(row.clean) for row in done.rows.values()])
+    noisy = np.array([row.error_deg(row.noisy) for row in done.rows.values()])
+    left.barh(place - 0.2, oracle, 0.38, color=GREY, label="inverse kinematics")
+    left.barh(place + 0.2, clean, 0.38, color=BLUE, label="learned, clean eyes")
+    left.plot(oracle + 0.3, place, "|", color="black", ms=16, label="oracle + 0.3 deg")
+    right.barh(place, noisy, 0.5, color=ORANGE, label=f"learned, {done.config.seeing_noise_deg:g} deg of noise")
+    right.plot(oracle + 2.5, place, "|", color="black", ms=16, label="oracle + 2.5 deg")
+    left.set_yticks(place, names)
+    left.invert_yaxis()
+    for axis in (left, right):
+        axis.set_xlabel("mean limb-direction error where it can be reached [deg]")
+        axis.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+        axis.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def learning_curve(done: Studied) -> Figure:
+    """Error against body time in front of the mirror."""
+    figure = Figure(figsize=(7, 4.2), layout="constrained")
+    axis = figure.subplots()
+    minutes, clean, noisy = done.curve.T
+    axis.plot(minutes, np.maximum(clean, 1e-3), "o-", color=BLUE, label="clean eyes")
+    axis.plot(minutes, noisy, "o-", color=ORANGE, label=f"{done.config.seeing_noise_deg:g} deg of noise")
+    axis.axhline(done.shown.error_deg(None), color=GREY, ls="--", label="inverse kinematics")
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.set_xticks(minutes, [f"{m:.2g}" for m in minutes])
+    axis.minorticks_off()
+    axis.set_xlabel("in front of the mirror [body-minutes]")
+    axis.set_ylabel("limb-direction error [deg]")
+    axis.set_title(f"{done.shown.performance.name}: how long must one look into the mirror?")
+    axis.legend(frameon=False)
+    return figure
+
+
+def tries(done: Studied) -> Figure:
+    """First the right part, then the right way to move it."""
+    figure = Figure(figsize=(10.5, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
+    parts = [*done.acts.parts, "nothing"]
+    table = np.zeros((len(parts) - 1, len(parts)))
+    np.add.at(table, (done.acts.truth, done.acts.said), 1)
+    left.imshow(table / np.maximum(table.sum(1, keepdims=True), 1), cmap="Blues", vmin=0, vmax=1)
+    for row, column in np.argwhere(table > 0):
+        share = table[row, column] / table[row].sum()
+        left.text(column, row, f"{int(table[row, column])}", ha="center", va="center", fontsize=7,
+                  color="white" if share > 0.5 else "black")  # fmt: skip
+    left.set_xticks(range(len(parts)), parts, rotation=90, fontsize=7)
+    left.set_yticks(range(len(parts) - 1), parts[:-1], fontsize=7)
+    left.set_xlabel("identified")
+    left.set_ylabel("moved")
+    left.set_title(f"which part: {done.acts.rate:.1%} of {len(done.acts.truth)} acts", fontsize=10)
+    errors = done.acts.errors_deg
+    number = np.arange(errors.shape[1])
+    for low, high, shade in ((0.1, 0.9, 0.15), (0.25, 0.75, 0.3)):
+        right.fill_between(number, np.quantile(errors, low, axis=0), np.quantile(errors, high, axis=0), color=ORANGE,
+                           alpha=shade, lw=0, label=f"{round(100 * (high - low))} % of acts")  # fmt: skip
+    right.plot(number, np.median(errors, axis=0), "o-", color=ORANGE, label="median")
+    right.set_xticks(number, ["at rest", *map(str, number[1:])])
+    right.set_xlabel("try")
+    right.set_ylabel("the part points off by [deg]")
+    right.set_title("then how to move it: error against tries", fontsize=10)
+    right.set_ylim(bottom=0)
+    right.legend(frameon=False)
+    return figure

@@ -1,0 +1,137 @@
+"""The recording of `imitate correspondence`: two bodies side by side, where their parts point, which part moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from experiments.gesture.recording import BESIDE, in_place
+from experiments.shared.recording import (
+    DEMONSTRATED,
+    IMITATED,
+    REPLAYED,
+    heat_map,
+    log_body,
+    log_picture,
+    log_series,
+    log_stick_figure,
+    recording,
+    ticks,
+)
+from imitation.correspondence.organ import identify
+from models.mirror import blurred
+from models.shapes import parts as shapes
+
+if TYPE_CHECKING:
+    from experiments.correspondence.run import Studied
+
+FloatArray = NDArray[np.float64]
+WINDOW_S = 0.5
+"""Movements are put to a part by what turned within this time."""
+FAN = 0.13
+"""m, length of the arrows."""
+
+
+def record(path: Path, done: Studied) -> None:
+    """Write the recording."""
+    row = done.shown
+    name = (
+        f"{row.performance.name} ({row.performance.teacher}) through a learned correspondence, seed {done.config.seed}"
+    )
+    with recording(path, "imitate-correspondence", name, blueprint()) as stream:
+        stream.log("summary", rr.TextDocument(done.summary, media_type=rr.MediaType.MARKDOWN), static=True)
+        _log_world(stream, done)
+        _log_directions(stream, done)
+        _log_organ(stream, done)
+        log_picture(stream, "structure", heat_map(done.noisy_image.organs.information, aspect=2.0))
+
+
+def blueprint() -> rrb.Blueprint:
+    """World and summary left; organ, errors and structure right."""
+    world = rrb.Spatial3DView(
+        name="teacher, imitator, and where their parts point",
+        origin="/world",
+        line_grid=False,
+        background=[32, 36, 42],
+        eye_controls=rrb.EyeControls3D(position=[1.2, 0.75, 0.75], look_target=[0.0, 0.28, 0.52]),
+    )
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(world, rrb.TextDocumentView(name="summary", origin="/summary"), row_shares=[2.2, 1]),
+            rrb.Vertical(
+                rrb.StateTimelineView(name="which part moves", origin="/organ", contents=["/organ/identified"]),
+                rrb.TimeSeriesView(name="P(part moves)", origin="/organ/probability"),
+                rrb.TimeSeriesView(name="limb-direction error [deg]", origin="/error"),
+                rrb.Spatial2DView(name="what moves what (part by factor)", origin="/structure"),
+                row_shares=[0.6, 1, 1, 1],
+            ),
+            column_shares=[1.15, 1],
+        ),
+        rrb.TimePanel(state="collapsed", timeline="sim_time", play_state="paused"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+    )
+
+
+def _log_world(stream: rr.RecordingStream, done: Studied) -> None:
+    tick, row = done.body.tick_s, done.shown
+    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    log_body(stream, "world/imitator", shapes(done.body.model, done.body.configurations(row.clean.angles)), tick)
+    points = in_place(row.performance.time, row.performance.points, len(row.clean.angles), tick)
+    log_stick_figure(stream, "world/teacher", points, row.performance.bones, tick, DEMONSTRATED)
+    for label, place in (("imitator", (0, 0, 0.02)), ("teacher", (0, BESIDE, 0.02))):
+        sign = rr.Points3D([place], radii=[0.004], labels=[label], colors=[(220, 220, 220)], show_labels=True)
+        stream.log(f"world/labels/{label}", sign, static=True)
+
+
+def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
+    """Arrows over either head, arms above legs, left beside right: the state that both bodies share."""
+    tick, row = done.body.tick_s, done.shown
+    places = {"imitator": (row.clean.directions, 0.0, IMITATED), "teacher": (row.clean.teacher, BESIDE, DEMONSTRATED)}
+    for who, (directions, aside, colour) in places.items():
+        count = directions.shape[1]
+        names = row.clean.sub_goals.parts
+        upper = np.array([not name.endswith(("thigh", "shank", "foot")) for name in names], float)
+        side = np.array([name.startswith("left_") - float(name.startswith("right_")) for name in names])
+        origin = np.stack([np.zeros(count), aside + 0.11 * side, 0.68 + 0.2 * upper], 1)
+        entity = f"world/directions/{who}"
+        stream.log(entity, rr.Arrows3D.from_fields(colors=[colour], radii=[0.006]), static=True)
+        columns = rr.Arrows3D.columns(
+            vectors=(FAN * directions).reshape(-1, 3), origins=np.tile(origin, (len(directions), 1))
+        ).partition([count] * len(directions))
+        stream.send_columns(entity, ticks(len(directions), tick), columns)
+
+
+def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
+    tick, row = done.body.tick_s, done.shown
+    goals, names = row.clean.sub_goals, (*done.image.parts, "nothing")
+    window = round(WINDOW_S / tick)
+    seen = np.full((len(goals.wanted), len(done.image.parts), 3), np.nan)
+    rng = np.random.default_rng([done.config.seed, 18])
+    noise = float(np.deg2rad(done.config.seeing_noise_deg))
+    for number, part in enumerate(goals.parts):
+        seen[:, done.image.parts.index(part)] = blurred(row.clean.teacher[:, number], noise, rng)
+    found = [
+        identify(done.noisy_image.organs, seen[max(t - window, 0) : t + 1], tick) for t in range(window, len(seen))
+    ]
+    labels = [names[organ.part] for organ in found]
+    changes = [0] + [t for t in range(1, len(labels)) if labels[t] != labels[t - 1]]
+    stream.log("organ/identified", rr.StateConfiguration(values=list(names), labels=list(names)), static=True)
+    index = [rr.TimeColumn("sim_time", duration=(np.array(changes) + window) * tick)]
+    stream.send_columns("organ/identified", index, rr.StateChange.columns(state=[labels[t] for t in changes]))
+    probability = np.stack([organ.probability for organ in found])
+    often = np.argsort(-probability.mean(0))[:5]
+    colours = (DEMONSTRATED, IMITATED, (110, 200, 120), (200, 120, 230), (230, 210, 90))
+    for place, colour in zip(often, colours, strict=True):
+        series = np.concatenate([np.zeros(window), probability[:, place]])
+        log_series(stream, f"organ/probability/{names[place]}", series, tick, names[place], colour)
+    for label, who, colour in (("clean eyes", row.clean, IMITATED), ("noisy eyes", row.noisy, DEMONSTRATED)):
+        error = np.mean(list(who.error_deg.values()), axis=0)
+        log_series(stream, f"error/{label.split()[0]}", error, tick, f"learned, {label}", colour)
+    oracle = np.mean(list(row.oracle.error_deg.values()), axis=0)
+    log_series(stream, "error/oracle", oracle, tick, "inverse kinematics", REPLAYED)

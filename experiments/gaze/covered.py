@@ -1,0 +1,135 @@
+"""Teachers with covered eyes, imitators with and without experience of covered eyes of their own."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import beta
+
+from babbling.sight import LookingMind
+from experiments.gaze.infer import infer
+from experiments.gaze.trials import TOYS, Scene, Trials, run_trials
+from imitation.gaze.reader import EyeLore, GazeReader
+from imitation.seeing.finding import Finder
+from imitation.seeing.pose import Appearance
+from models.biclops.cloth import through_cloth
+from models.retina import Image
+from models.seeing_body import SeeingBody
+
+FloatArray = NDArray[np.float64]
+
+LOOKS = 12
+"""Looks through each cloth, and 200 without any: a baby looks all day."""
+OPEN_LOOKS = 200
+AGES = {"12 months": (), "14 and 18 months": ("opaque",)}
+"""What has lain over an infant's eyes by itself: nothing yet, or blankets and its own hands."""
+TRAINING = {"before": None, "after an opaque blindfold": "opaque", "after a see-through one": "see_through"}
+
+
+def own_experience(
+    lore: EyeLore, kind: str | None, images: list[Image], noise: float, rng: np.random.Generator
+) -> None:
+    """Look at toys through a cloth over one's own eyes (None: with free eyes); whether one sees is seen, not told."""
+    find = Finder(TOYS)
+    looks = OPEN_LOOKS if kind is None else LOOKS
+    for number in range(looks):
+        image = images[number % len(images)]
+        there = np.isfinite(find(image)[:, 0]).sum() if number < len(images) or kind else 1
+        if not there:
+            continue
+        shown = image if kind is None else through_cloth(image, kind, noise, rng)
+        saw = there if kind is None else np.isfinite(find(shown)[:, 0]).sum()
+        lore.experience(covered=kind is not None, saw=bool(2 * saw >= there))
+
+
+def covered_eyes(
+    body: SeeingBody,
+    scene: Scene,
+    mind: LookingMind,
+    appearance: Appearance,
+    gaze: GazeReader,
+    head: FloatArray,
+    count: int,
+    rng: np.random.Generator,
+    report: Callable[[float], None],
+) -> dict[str, Any]:
+    """How often gaze is followed: by age, own experience and cloth; populations that choose by probability matching."""
+    faces: dict[str, Trials] = {}
+    for number, cloth in enumerate(("blindfold", "headband")):
+        faces[cloth] = run_trials(
+            body, scene, mind, appearance, count, rng, cloth=cloth,
+            report=lambda done, number=number: report((number + done) / 2),
+        )  # fmt: skip
+    views = [pair[0] for pair in body.images]
+    rates: dict[str, Any] = {}
+    for age, lived in AGES.items():
+        for training, kind in TRAINING.items():
+            lore = EyeLore()
+            own_experience(lore, None, views, scene.eyes.noise, rng)
+            for cover in (*lived, *((kind,) if kind else ())):
+                own_experience(lore, cover, views, scene.eyes.noise, rng)
+            row: dict[str, Any] = {}
+            for cloth, trials in faces.items():
+                row[cloth] = _followed(trials, lore, gaze, head, rng)
+            rates[f"{age}, {training}"] = row
+    before12, before18 = rates["12 months, before"], rates["14 and 18 months, before"]
+    opaque12 = rates["12 months, after an opaque blindfold"]
+    through18 = rates["14 and 18 months, after a see-through one"]
+    return {
+        "rates": rates,
+        "chance": 1 / len(TOYS),
+        "signs": {
+            "12 months: blindfold and headband alike": _alike(before12["blindfold"], before12["headband"]),
+            "14 and 18 months: headband above blindfold": _above(before18["headband"], before18["blindfold"]),
+            "12 months: less after an opaque blindfold": _above(before12["blindfold"], opaque12["blindfold"]),
+            "18 months: more after a see-through one": _above(through18["blindfold"], before18["blindfold"]),
+        },
+    }
+
+
+def _followed(
+    trials: Trials, lore: EyeLore, gaze: GazeReader, head: FloatArray, rng: np.random.Generator
+) -> dict[str, Any]:
+    covered = ~trials.eyes_seen
+    belief = {state: lore.sees(state) for state in (False, True)}
+    looked = np.empty(len(covered), int)
+    for state in (False, True):
+        mine = np.flatnonzero(covered == state)
+        if not len(mine):
+            continue
+        part = Trials(*(field[mine] for field in trials[:-1]), trials.image)  # type: ignore[arg-type]
+        probability = infer(part, gaze, head, TOYS, sees=belief[state][0])
+        ladder = np.cumsum(probability, 1)
+        looked[mine] = (ladder < rng.random((len(mine), 1)) * ladder[:, -1:]).sum(1)
+    hits = int((looked == trials.target).sum())
+    n = len(covered)
+    interval = [
+        float(beta.ppf(0.025, hits, n - hits + 1)) if hits else 0.0,
+        float(beta.ppf(0.975, hits + 1, n - hits)) if hits < n else 1.0,
+    ]
+    return {
+        "rate": hits / n,
+        "interval_95": interval,
+        "n": n,
+        "eyes_seen": float(trials.eyes_seen.mean()),
+        "believed_to_see": belief[bool(covered.mean() > 0.5)][0],
+        "tried_with_own_eyes": belief[bool(covered.mean() > 0.5)][1],
+    }
+
+
+def _above(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether one rate lies above another by more than 1.96 standard errors of the difference."""
+    gap, spread = _gap(one, other)
+    return bool(gap > 1.96 * spread)
+
+
+def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    gap, spread = _gap(one, other)
+    return bool(abs(gap) <= 1.96 * spread)
+
+
+def _gap(one: dict[str, Any], other: dict[str, Any]) -> tuple[float, float]:
+    shares = [(r["rate"] * r["n"] + 1) / (r["n"] + 2) for r in (one, other)]
+    spread = np.sqrt(sum(p * (1 - p) / r["n"] for p, r in zip(shares, (one, other), strict=True)))
+    return one["rate"] - other["rate"], float(spread)

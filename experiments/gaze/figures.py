@@ -1,0 +1,110 @@
+"""Figures of gaze following."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from experiments.gaze.scene import FRAME_S, Episode
+
+if TYPE_CHECKING:
+    from experiments.gaze.run import Found
+
+FloatArray = NDArray[np.float64]
+INK = {"orange": "#e07b00", "lime": "#7bbf00", "cyan": "#00a5a5", "violet": "#7a2fd0"}
+ALONE, PREFERRED = "#8a8a8a", "#d9541e"
+
+
+def figures(found: Found, error: float) -> dict[str, Figure]:
+    """All of them, by file stem."""
+    return {
+        "episode": episode(found.episode),
+        "calibration": calibration(found.calibration, error),
+        "preferences": preferences(found),
+        "covered_eyes": covered(found.covered),
+    }
+
+
+def episode(one: Episode) -> Figure:
+    """P(object) through time, the teacher's head on its way, and the poses expected "like me"."""
+    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    belief, poses = figure.subplots(1, 2, width_ratios=[1.4, 1])
+    watched = int(np.isfinite(one.estimated[:, 0]).sum())
+    time = np.arange(watched) * FRAME_S
+    for k, name in enumerate(one.names):
+        mark = " (looked at)" if k == one.target else ""
+        belief.plot(time, one.probability[:watched, k], color=INK[name], lw=2.2, label=name + mark)
+    belief.set(
+        xlabel="s", ylabel="P(object | pose of the head)", ylim=(-0.02, 1.05), title="Eq. (2) while the head turns"
+    )
+    belief.legend(frameon=False, fontsize=9)
+    poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
+    poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
+    for k, name in enumerate(one.names):
+        poses.plot(*np.rad2deg(one.expected[k]), "o", color=INK[name], ms=11)
+        poses.annotate(
+            name, np.rad2deg(one.expected[k]), xytext=(0, 9), textcoords="offset points", ha="center", fontsize=8
+        )
+    poses.invert_yaxis()
+    poses.invert_xaxis()
+    poses.margins(0.15)
+    poses.set(xlabel="pan [deg], to its left", ylabel="tilt [deg], down", title='how I would look at each, "like me"')
+    poses.legend(frameon=False, fontsize=8)
+    return figure
+
+
+def calibration(bins: FloatArray, error: float) -> Figure:
+    """How often the most probable object was right, against how probable it was."""
+    figure = Figure(figsize=(5.2, 4.8), layout="constrained")
+    axes, counts = figure.subplots(2, 1, height_ratios=[3, 1], sharex=True)
+    there = bins[:, 2] > 0
+    low = np.sqrt(np.maximum(bins[there, 1] * (1 - bins[there, 1]), 0.02) / bins[there, 2]) * 1.96
+    axes.plot([0, 1], [0, 1], color="0.7", lw=1)
+    axes.errorbar(bins[there, 0], bins[there, 1], low, fmt="o", color=PREFERRED, capsize=3, lw=1)
+    axes.set(ylabel="share that was right", title=f"calibration error {error:.3f}", ylim=(0, 1.1))
+    counts.bar(bins[there, 0], bins[there, 2], 0.05, color="0.6")
+    counts.set(xlabel="P of the most probable object", ylabel="trials", xlim=(0.2, 1.02))
+    return figure
+
+
+def preferences(found: Found) -> Figure:
+    """Pairs 6 degrees apart: which is taken, by gaze alone and with what the teacher is known to like."""
+    figure = Figure(figsize=(8.6, 3.8), layout="constrained")
+    bars, spread = figure.subplots(1, 2, width_ratios=[1, 1.3])
+    n = len(found.alone.right)
+    for x, (judged, colour, name) in enumerate(
+        ((found.alone, ALONE, "gaze alone"), (found.preferred, PREFERRED, "with preferences"))
+    ):
+        rate = judged.right.mean()
+        half = 1.96 * np.sqrt(rate * (1 - rate) / n)
+        bars.bar(x, 100 * rate, 0.6, color=colour, yerr=100 * half, capsize=4)
+        bars.annotate(f"{100 * rate:.1f} %", (x, 100 * (rate + half) + 1), ha="center", fontsize=9)
+        spread.hist(judged.probability[:, 1], np.linspace(0, 1, 21), histtype="step", color=colour, lw=2, label=name)
+    bars.set(xticks=[0, 1], xticklabels=["gaze alone", "with preferences"], ylim=(0, 112), ylabel="right [%]")
+    bars.set_title(f"{n} pairs 6 deg apart", fontsize=10)
+    spread.set(xlabel="P(the preferred toy)", ylabel="trials")
+    spread.legend(frameon=False, fontsize=9, loc="upper center")
+    return figure
+
+
+def covered(result: dict[str, Any]) -> Figure:
+    """Following of teachers with covered eyes, by age and own experience."""
+    figure = Figure(figsize=(9.5, 4.2), layout="constrained")
+    axes = figure.subplots()
+    names = list(result["rates"])
+    for offset, (cloth, colour) in enumerate((("blindfold", "#333333"), ("headband", "#c2a15a"))):
+        rates = [result["rates"][name][cloth] for name in names]
+        x = np.arange(len(names)) + 0.36 * offset - 0.18
+        y = np.array([r["rate"] for r in rates])
+        ends = np.abs(np.array([r["interval_95"] for r in rates]).T - y)
+        axes.bar(x, 100 * y, 0.34, color=colour, label=f"teacher wears a {cloth}", yerr=100 * ends, capsize=3,
+                 error_kw={"lw": 0.9, "ecolor": "#888888"})  # fmt: skip
+    axes.axhline(100 * result["chance"], color="0.5", ls=":", lw=1)
+    axes.annotate("chance", (-0.55, 100 * result["chance"] + 1), fontsize=8, color="0.4")
+    axes.set_xticks(range(len(names)), [name.replace(", ", "\n") for name in names], fontsize=8)
+    axes.set(ylabel="looks where the teacher's head points [%]", ylim=(0, 118))
+    axes.legend(frameon=False, fontsize=9, ncols=2, loc="upper center")
+    return figure

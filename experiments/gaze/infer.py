@@ -1,0 +1,74 @@
+"""Inference and judgement over many trials."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.gaze.trials import Trials, located
+from imitation.gaze.reader import GazeReader, Preferences
+
+FloatArray = NDArray[np.float64]
+
+
+class Judged(NamedTuple):
+    """N trials, inferred."""
+
+    probability: FloatArray
+    """(N, G) P(g); zero for what was not seen."""
+    right: NDArray[np.bool_]
+    """(N,) whether the most probable toy was the one looked at."""
+    confidence: FloatArray
+    """(N,) its probability."""
+
+
+def infer(
+    trials: Trials,
+    gaze: GazeReader,
+    head: FloatArray,
+    toys: tuple[str, ...],
+    likes: Preferences | None = None,
+    *,
+    even: bool = False,
+    sees: float = 1.0,
+) -> FloatArray:
+    """(N, G) Eq. (2) for each trial, over the toys that were seen in both eyes; prior: salience and preferences."""
+    places = located(trials, gaze.geometry)
+    probability = np.zeros(places.shape[:2])
+    for i in range(len(places)):
+        there = np.flatnonzero(np.isfinite(places[i]).all(1))
+        if not len(there):
+            continue
+        labels = tuple(toys[k] for k in there)
+        salience = np.ones(len(there)) if even else trials.salience[i, there]
+        prior = (likes or Preferences()).prior(labels, salience)
+        if not np.isfinite(trials.pose[i]).all():
+            probability[i, there] = prior
+            continue
+        posterior = gaze.read(trials.pose[i], places[i, there], head, prior, sees)
+        probability[i, there] = posterior.probability if posterior.informed else prior
+    return probability
+
+
+def judge(
+    trials: Trials,
+    gaze: GazeReader,
+    head: FloatArray,
+    toys: tuple[str, ...],
+    likes: Preferences | None = None,
+    *,
+    even: bool = False,
+) -> Judged:
+    """Infer and compare with the truth."""
+    probability = infer(trials, gaze, head, toys, likes, even=even)
+    best = probability.argmax(1)
+    return Judged(probability, best == trials.target, probability.max(1))
+
+
+def train_preferences(
+    likes: Preferences, trials: Trials, gaze: GazeReader, head: FloatArray, toys: tuple[str, ...]
+) -> None:
+    """Learn what a teacher likes from what it seemed to look at; nobody says what it was."""
+    for i in range(len(trials.target)):
+        one = Trials(*(part[i : i + 1] for part in trials[:-1]), trials.image)  # type: ignore[arg-type]
+        likes.observe(toys, infer(one, gaze, head, toys, likes)[0])

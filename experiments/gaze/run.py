@@ -1,0 +1,274 @@
+"""A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.looking_storage import load_looking, save_looking
+from babbling.sight import LookingMind
+from experiments.errors import ExperimentError
+from experiments.gaze.covered import covered_eyes
+from experiments.gaze.infer import Judged, judge, train_preferences
+from experiments.gaze.scene import Episode, episode
+from experiments.gaze.trials import (
+    COPIES,
+    PAIR,
+    TOYS,
+    TURN_S,
+    Scene,
+    lesson_for_gaze,
+    reader,
+    run_trials,
+    shown,
+    table_body,
+)
+from experiments.shared.experiment import Result
+from experiments.shared.eyes import EyeOptions, learn_to_look, nursery
+from experiments.shared.progress import progress
+from imitation.gaze.reader import GazeReader, Preferences, calibration_error
+from models.biclops.gaze import BALL_RADIUS, possible
+from models.heads import head_facts
+from models.seeing_body import head_fingerprint
+
+FloatArray = NDArray[np.float64]
+
+LESSONS = 400
+SHOWN_TRIALS = 80
+PREFERENCE_TRIALS = 100
+PREFERENCE = (0.2, 0.8)
+"""How often the teacher looks at either of `PAIR` when both are there."""
+STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100}
+SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate gaze`."""
+
+    robot: str = "biclops"
+    """biclops or hoap2."""
+    study: bool = False
+    """All trials of the figures: 200 clear, 600 of close pairs, 1000 for calibration, 100 of each covered face."""
+    learned_eyes: Path | None = None
+    """eyes.nc of an earlier `imitate saccades`; None babbles anew."""
+    babbling_minutes: float = 15.0
+    """Body-minutes of random saccades, if babbling anew."""
+    objects: str | None = None
+    """Where the toys lie in the recorded episode: x,y;x,y;... in metres ahead and left, 2 to 4 of them."""
+    target: int = 0
+    """Which of them the teacher looks at in the recorded episode; 0 lets chance decide, 1 is the first."""
+    aim_deg: float = 3.0
+    """How exactly a teacher's head points at what it looks at: standard deviation of each axis, degrees."""
+    distance: float = 0.95
+    """m between the heads."""
+    noise: float = 0.02
+    """Pixel noise, standard deviation as a share of full scale."""
+    width: int = 160
+    """Pixels of each retina, across."""
+    height: int = 120
+    """Pixels of each retina, down."""
+    blur: float = 0.0
+    """Standard deviation of a blur, pixels."""
+    fovy_deg: float | None = None
+    """Vertical field of view; None is the robot's own."""
+    renderer: str = "rays"
+    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
+    seed: int = 0
+    """Seed of everything random."""
+    out: Path | None = None
+    """Folder of the results (runs/gaze)."""
+
+    @property
+    def scene(self) -> Scene:
+        """The stage."""
+        eyes = EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
+        return Scene(eyes, self.distance, self.aim_deg)
+
+
+class Found(NamedTuple):
+    """Everything a run found; for figures and the recording."""
+
+    clear: Judged
+    alone: Judged
+    preferred: Judged
+    calibration: FloatArray
+    covered: dict[str, Any]
+    episode: Episode
+
+
+def run(config: Config) -> Result:
+    """Babble (or recall), be mirrored, be shown, follow.
+
+    Raises:
+        ExperimentError, BodyError, BabblingError: options that cannot be meant.
+    """
+    layout = _check(config)
+    scene, counts = config.scene, STUDY if config.study else SHORT
+    mind = _eyes(config)
+    with progress("the caregiver mirrors") as report:
+        appearance, head = lesson_for_gaze(scene, mind, LESSONS, config.seed, report)
+    body = table_body(scene, COPIES, config.seed + 11, TURN_S)
+    rng = np.random.default_rng([config.seed, 0x6A2E])
+    with progress("being shown") as report:
+        lessons = run_trials(body, scene, mind, appearance, SHOWN_TRIALS, rng, report=report)
+        naive = reader(mind)
+        gaze = naive.learned(shown(lessons, naive.geometry, head))
+    with progress("following gaze") as report:
+        clear_trials = run_trials(
+            body, scene, mind, appearance, counts["clear"], rng, follow=(gaze, head), report=report
+        )
+    clear = judge(clear_trials, gaze, head, TOYS)
+    with progress("a teacher with preferences") as report:
+        likes = Preferences()
+        known = run_trials(
+            body, scene, mind, appearance, PREFERENCE_TRIALS, rng, toys=PAIR, apart_deg=(15.0, 60.0),
+            preference=PREFERENCE, report=report,
+        )  # fmt: skip
+        train_preferences(likes, known, gaze, head, PAIR)
+        close = run_trials(
+            body, scene, mind, appearance, counts["pairs"], rng, toys=PAIR, apart_deg=(5.7, 6.3),
+            preference=PREFERENCE, report=report,
+        )  # fmt: skip
+    alone = judge(close, gaze, head, PAIR, Preferences(), even=True)
+    preferred = judge(close, gaze, head, PAIR, likes)
+    with progress("calibration") as report:
+        many = run_trials(
+            body, scene, mind, appearance, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report
+        )
+    broad = Preferences()
+    train_preferences(broad, lessons, gaze, head, TOYS)
+    judged = judge(many, gaze, head, TOYS, broad)
+    error, bins = calibration_error(judged.confidence, judged.right)
+    with progress("covered eyes") as report:
+        covered = covered_eyes(
+            body,
+            scene,
+            mind,
+            appearance,
+            gaze,
+            head,
+            counts["covered"],
+            np.random.default_rng([config.seed, 7]),
+            report,
+        )
+    shown_episode = episode(scene, mind, appearance, gaze, head, layout, config.target, config.seed)
+    found = Found(clear, alone, preferred, bins, covered, shown_episode)
+    metrics = _metrics(config, found, gaze, error, likes, clear_trials.looked, clear_trials.target, mind)
+    from experiments.gaze.figures import figures
+    from experiments.gaze.recording import record
+
+    summary = _summary(metrics)
+    files = {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=config.seed)}
+    return Result(
+        metrics,
+        summary,
+        figures(found, error),
+        lambda path: record(path, config.robot, found.episode, summary, config.seed),
+        files,
+    )
+
+
+def _check(config: Config) -> FloatArray | None:
+    """Refuse options that cannot be meant; the places of the recorded episode, if given."""
+    if config.seed < 0:
+        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
+    if not 0.0 < config.aim_deg <= 20.0:
+        raise ExperimentError(f"--aim-deg {config.aim_deg:g}: more than 0, at most 20 degrees")
+    if not 0.7 <= config.distance <= 1.2:
+        raise ExperimentError(f"--distance {config.distance:g}: a table has room for toys from 0.7 to 1.2 m")
+    head_facts(config.robot)
+    view = config.scene.view()
+    if config.objects is None:
+        if not 0 <= config.target <= 4:
+            raise ExperimentError(f"--target {config.target}: 1 to 4, or 0 for chance")
+        return None
+    try:
+        pairs = [tuple(float(x) for x in part.split(",")) for part in config.objects.split(";")]
+        places = np.array([(x, y, BALL_RADIUS) for x, y in pairs])
+    except ValueError:
+        raise ExperimentError(f"--objects {config.objects}: give x,y;x,y in metres, such as 0.5,0.2;0.5,-0.2") from None
+    if not 2 <= len(places) <= len(TOYS) or not np.isfinite(places).all():
+        raise ExperimentError(f"--objects: {len(places)} toys; 2 to {len(TOYS)} are possible")
+    if not 0 <= config.target <= len(places):
+        raise ExperimentError(f"--target {config.target}: there are {len(places)} objects; 1 is the first, 0 chance")
+    for number, place in enumerate(places, 1):
+        if not possible(place[None], config.distance, view, (0.0, 180.0)):
+            raise ExperimentError(
+                f"--objects: object {number} at {place[0]:g},{place[1]:g} m is outside every direction that both heads "
+                f"can look in; between them, 0.35 to 0.65 m ahead and up to 0.2 m aside, all can be seen"
+            )
+    return places
+
+
+def _eyes(config: Config) -> LookingMind:
+    if config.learned_eyes is not None:
+        mind = load_looking(config.learned_eyes)
+        if mind.pilot.fingerprint != head_fingerprint(config.robot):
+            raise ExperimentError(
+                f"--learned-eyes {config.learned_eyes}: these eyes belong to another body (fingerprint "
+                f"{mind.pilot.fingerprint}, {config.robot} has {head_fingerprint(config.robot)})"
+            )
+        mind.check(nursery(config.scene.eyes, 0, copies=1))
+        return mind
+    body = nursery(config.scene.eyes, config.seed)
+    with progress("looking about") as report:
+        return learn_to_look(body, config.babbling_minutes, config.seed, lambda done, mind: report(done))
+
+
+def _metrics(
+    config: Config,
+    found: Found,
+    gaze: GazeReader,
+    calibration: float,
+    likes: Preferences,
+    looked: FloatArray,
+    target: NDArray[np.int64],
+    mind: LookingMind,
+) -> dict[str, Any]:
+    gain = found.preferred.right.astype(float) - found.alone.right.astype(float)
+    half = 1.96 * gain.std(ddof=1) / np.sqrt(len(gain))
+    prior = likes.prior(PAIR, np.ones(2))
+    return {
+        "robot": config.robot,
+        "babbling_body_minutes": mind.minutes,
+        "gaze_trials": len(found.clear.right),
+        "gaze_accuracy": float((looked[:, 0] == target).mean()),
+        "gaze_inferred_accuracy": float(found.clear.right.mean()),
+        "gaze_looked_px": float(np.nanmedian(looked[:, 1])),
+        "gaze_ambiguous_trials": len(gain),
+        "gaze_accuracy_ambiguous_alone": float(found.alone.right.mean()),
+        "gaze_accuracy_ambiguous_with_preferences": float(found.preferred.right.mean()),
+        "gaze_preference_margin": float(gain.mean()),
+        "gaze_preference_margin_95": [float(gain.mean() - half), float(gain.mean() + half)],
+        "gaze_learned_preference": float(prior[1]),
+        "gaze_calibration_trials": int(found.calibration[:, 2].sum()),
+        "gaze_calibration_error": calibration,
+        "gaze_calibration_bins": found.calibration,
+        "gaze_learned_origin": gaze.origin,
+        "gaze_learned_spread_deg": np.rad2deg(np.sqrt(np.diag(gaze.covariance))),
+        "gaze_blindfold": found.covered,
+    }
+
+
+def _summary(metrics: dict[str, Any]) -> str:
+    low, high = metrics["gaze_preference_margin_95"]
+    rates = metrics["gaze_blindfold"]["rates"]
+    rows = [
+        (f"{metrics['gaze_trials']} trials, 4 toys at least 15 deg apart",
+         f"looked at the right one in {100 * metrics['gaze_accuracy']:.1f} %, {metrics['gaze_looked_px']:.2f} px from "
+         "the middle"),
+        (f"{metrics['gaze_ambiguous_trials']} pairs 6 deg apart",
+         f"gaze alone {100 * metrics['gaze_accuracy_ambiguous_alone']:.1f} %, with learned preferences "
+         f"{100 * metrics['gaze_accuracy_ambiguous_with_preferences']:.1f} %: "
+         f"{100 * metrics['gaze_preference_margin']:+.1f} "
+         f"(95 %: {100 * low:.1f} to {100 * high:.1f})"),
+        (f"calibration over {metrics['gaze_calibration_trials']} trials",
+         f"expected calibration error {metrics['gaze_calibration_error']:.3f}"),
+        *((f"followed, {name}", f"blindfold {100 * row['blindfold']['rate']:.0f} %, headband "
+           f"{100 * row['headband']['rate']:.0f} %") for name, row in rates.items()),
+    ]  # fmt: skip
+    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+    return f"# {metrics['robot']} follows gaze\n\n{table}\n"

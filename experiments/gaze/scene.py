@@ -1,0 +1,138 @@
+"""One episode of gaze following, frame by frame: the teacher turns, beliefs move, the imitator looks there."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.sight import LookingMind
+from experiments.gaze.trials import LABELS, TOYS, Scene, split, table_body
+from experiments.shared.caregiver import FACE, NUMBERS
+from imitation.gaze.fixation import Fixation
+from imitation.gaze.reader import GazeReader, Preferences
+from imitation.seeing.pose import Appearance, LiveWatch, frame_pose
+from models.biclops.gaze import lay_out, look_at
+from models.biclops.movements import through
+from models.biclops.room import wear_cloth
+from models.heads import PARKED
+from models.onlooker import Onlooked, onlook
+from models.retina import Image
+
+FloatArray = NDArray[np.float64]
+
+FRAME_S = 0.04
+REST_S, STAY_S, LOOK_S = 0.6, 0.7, 1.4
+
+
+class Episode(NamedTuple):
+    """T frames; angles in rad, pixels on the image."""
+
+    names: tuple[str, ...]
+    target: int
+    images: list[tuple[Image, Image]]
+    found: FloatArray
+    """(T, K, 2 eyes, 2) every feature that was found; NaN unseen."""
+    predicted: FloatArray
+    """(T, G, 2 eyes, 2) where toys were expected once the eyes had moved; NaN before."""
+    own: FloatArray
+    """(T, 2) true pan and tilt."""
+    teacher: FloatArray
+    """(T, 2) true pan and tilt of the teacher."""
+    estimated: FloatArray
+    """(T, 2) the teacher's as estimated; NaN when nothing was."""
+    probability: FloatArray
+    """(T, G)"""
+    events: list[tuple[float, str]]
+    """Seconds and what happened."""
+    seen: Onlooked
+    """The stage as an onlooker sees it."""
+    expected: FloatArray
+    """(G, 2) the poses that Eq. (1) expects for each toy, "like me"."""
+
+
+def episode(
+    scene: Scene,
+    mind: LookingMind,
+    appearance: Appearance,
+    gaze: GazeReader,
+    head: FloatArray,
+    layout: FloatArray | None,
+    target: int,
+    seed: int,
+) -> Episode:
+    """One teacher, one look."""
+    rng = np.random.default_rng([seed, 0xE91])
+    body = table_body(scene, 1, seed + 21, FRAME_S)
+    wear_cloth(body.model, None)
+    places = lay_out(rng, 4, scene.distance, scene.view(), (15.0, 180.0)) if layout is None else layout
+    count = len(places)
+    names = TOYS[:count]
+    goal = int(rng.integers(count)) if target == 0 else target - 1
+    for number, name in enumerate(TOYS):
+        body.place(name, places[number] if number < count else np.array(PARKED))
+    aim = look_at(places[goal], scene.distance) + np.deg2rad(scene.aim_deg) * rng.standard_normal(2)
+    path = through(np.array([[0.0, 0.0], np.rad2deg(aim)]), np.array([REST_S, STAY_S]))
+    body.teacher_path = lambda t: path[min(round(t / 0.02), len(path) - 1)][None]
+    centre = mind.pilot.retina.centre.reshape(2, 2)
+    frames: dict[str, list[FloatArray]] = {
+        k: [] for k in ("found", "predicted", "own", "teacher", "estimated", "probability")
+    }
+    images: list[tuple[Image, Image]] = []
+    events: list[tuple[float, str]] = [(0.0, "watches the teacher")]
+    watching = LiveWatch(appearance, FRAME_S)
+    senses = body.reset()
+    nothing = np.full((count, 2, 2), np.nan)
+
+    def note(pose: FloatArray, belief: FloatArray, predicted: FloatArray) -> None:
+        numbers = senses[0, 2:].reshape(len(LABELS), 2, NUMBERS)
+        frames["found"].append(numbers[: len(FACE) + count, :, :2].copy())
+        frames["predicted"].append(predicted)
+        frames["own"].append(body.joint_angles[0].copy())
+        frames["teacher"].append(body.teacher_angles[0].copy())
+        frames["estimated"].append(pose)
+        frames["probability"].append(belief)
+        images.append(body.images[0])
+
+    rest = body.command_angles(body.rest[None])
+    belief, leader = np.full(count, 1 / count), -1
+    looks = round((len(path) * 0.02) / FRAME_S)
+    expected = np.full((count, 2), np.nan)
+    for frame in range(looks):
+        if frame:
+            senses = body.act(rest)
+        face, things, area = split(senses, mind)
+        watching.ahead()
+        pose = watching.see(face[0], frame_pose(appearance, face[0]) if watching.belief is None else None).mean[:2]
+        where = gaze.geometry.locate(things[0, :count], senses[0, 1])
+        if np.isfinite(where).all() and watching.belief is not None:
+            if not np.isfinite(expected).all():
+                expected = gaze.imagined(where, np.tile(head, (count, 1))) + gaze.bias
+            prior = Preferences().prior(names, np.sqrt(np.maximum(area[0, :count], 1.0)))
+            posterior = gaze.read(pose, where, head, prior)
+            belief = posterior.probability if posterior.informed else prior
+            best = int(belief.argmax())
+            if best != leader and belief[best] > 0.5:
+                events.append((frame * FRAME_S, f"thinks: {names[best]} ({belief[best]:.2f})"))
+                leader = best
+        note(pose.copy(), belief.copy(), nothing)
+    chosen = int(belief.argmax())
+    fixation = Fixation(mind.sight, mind.pilot.reach)
+    for number in range(2):
+        _, things, _ = split(senses, mind)
+        saccade = fixation.choose(np.nan_to_num(things[:, chosen]), senses[:, :2], rng)
+        events.append((len(images) * FRAME_S, f"looks at {names[chosen]}" if not number else "corrects"))
+        posture = np.repeat(senses[:, :2], count, 0)
+        after = mind.sight.expect(things[0, :count], posture, np.repeat(saccade.change, count, 0))
+        predicted = after.reshape(count, 2, 2) + centre
+        command = mind.pilot.efference.motors(senses[:, :2] + saccade.change)
+        for _ in range(round((LOOK_S if not number else 0.4) / FRAME_S)):
+            senses = body.act(command)
+            note(np.full(2, np.nan), belief.copy(), predicted)
+    _, things, _ = split(senses, mind)
+    away = float(np.hypot(*things[0, chosen, :2]))
+    right = "the teacher's toy" if chosen == goal else f"not the teacher's, which is {names[goal]}"
+    events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
+    stacked = {k: np.stack(v) for k, v in frames.items()}
+    balls = {name: places[i] for i, name in enumerate(names)}
+    seen = onlook(body.model, scene.eyes.robot, stacked["own"], stacked["teacher"], balls)
+    return Episode(names, goal, images, events=events, seen=seen, expected=expected, **stacked)

@@ -1,0 +1,1 @@
+"""HOAP-2 watches a movement and reproduces it."""

@@ -1,0 +1,78 @@
+"""Figures of `imitate gesture`."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.gesture.found import Performed
+from experiments.shared.minds import LearningCurve
+
+BLUE, ORANGE, GREY = "#3b6fd4", "#e8722a", "#8a8a8a"
+
+
+def figures(done: Performed) -> dict[str, Figure]:
+    """File stem -> figure."""
+    made = {"imitation": imitation(done), "body_schema": body_schema(done)}
+    if done.learned.curve is not None:
+        made["learning_curve"] = learning_curve(done.learned.curve)
+    return made
+
+
+def imitation(done: Performed) -> Figure:
+    """The joints that move most: demonstrated, imitated, replayed; and what either missed by."""
+    chosen = done.busiest[:4]
+    time = np.arange(len(done.seen.angles)) * done.body.tick_s
+    figure = Figure(figsize=(11, 8), layout="constrained")
+    axes = figure.subplots(len(chosen), 2, sharex=True, width_ratios=(1.5, 1), squeeze=False)
+    for (left, right), joint in zip(axes, chosen, strict=True):
+        wanted = np.rad2deg(done.seen.angles[:, joint])
+        for values, colour, label, width in (
+            (np.rad2deg(done.replayed[:, joint]), GREY, "replayed", 1.0),
+            (wanted, BLUE, "demonstrated", 2.6),
+            (np.rad2deg(done.imitated[:, joint]), ORANGE, "imitated", 1.1),
+        ):
+            left.plot(time, values, color=colour, label=label, lw=width)
+            if label != "demonstrated":
+                right.plot(time, values - wanted, color=colour, lw=0.9)
+        left.set_ylabel(f"{done.body.joints[joint]}\n[deg]", fontsize=8)
+        right.axhline(0, color="black", lw=0.4)
+    axes[0, 0].legend(frameon=False, ncols=3, fontsize=8)
+    axes[0, 0].set_title(f"{done.seen.movement.name}: joint angles")
+    axes[0, 1].set_title("error [deg]")
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    figure.suptitle(
+        f"RMSE over all joints: imitated {done.metrics['joint_rmse_deg']:.3f} deg, "
+        f"direct replay {done.metrics['direct_replay_rmse_deg']:.3f} deg",
+        fontsize=11,
+    )
+    return figure
+
+
+def body_schema(done: Performed) -> Figure:
+    """Mutual information of every motor line and every sense line."""
+    information = done.learned.mind.pilot.schema.information
+    figure = Figure(figsize=(11, 6.5), layout="constrained")
+    axis = figure.subplots()
+    picture = axis.imshow(information, aspect="auto", cmap="magma", interpolation="nearest")
+    axis.set_xticks(range(information.shape[1]), done.body.sense_labels, rotation=90, fontsize=5.5)
+    axis.set_yticks(range(information.shape[0]), done.body.motor_labels, fontsize=6)
+    axis.set_xlabel("sense lines (labels for people; the mind does not know them)")
+    axis.set_ylabel("motor lines")
+    axis.set_title("Body schema: what each sense tells about each motor")
+    figure.colorbar(picture, ax=axis, label="mutual information [bit]")
+    return figure
+
+
+def learning_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
+    """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
+    figure = Figure(figsize=(6.5, 4.2), layout="constrained")
+    axis = figure.subplots()
+    axis.plot(curve.minutes, curve.table_deg, "o-", color=ORANGE, label="forward model (table)")
+    axis.plot(curve.minutes, curve.linear_deg, "s--", color=GREY, label="least-squares line, same experience")
+    if floor is not None:
+        axis.axhline(floor[1], color=BLUE, lw=1, label=f"table after {floor[0]:.0f} body-minutes")
+    axis.set_xlabel("babbling [body-minutes]")
+    axis.set_ylabel("error of predicted posture, one tick ahead [deg]")
+    axis.set_title("Learning curve on held-out babbling")
+    axis.legend(frameon=False)
+    return figure

@@ -1,0 +1,152 @@
+"""The recording of `imitate gesture`: teacher and imitator side by side, and every belief on the way."""
+
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+
+from experiments.gesture.found import Performed
+from experiments.shared.recording import (
+    DEMONSTRATED,
+    IMITATED,
+    REPLAYED,
+    heat_map,
+    log_bars,
+    log_body,
+    log_picture,
+    log_series,
+    log_stick_figure,
+    recording,
+)
+from models.shapes import parts
+
+SHOWN = 3
+"""Joints that move most, whose beliefs are shown."""
+BESIDE = 0.55
+"""m between imitator and teacher."""
+TEACHER_HEIGHT = 0.5
+"""m; teachers are drawn at the imitator's size."""
+
+
+def record(path: Path, done: Performed) -> None:
+    """Write the recording."""
+    joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
+    name = f"{done.seen.movement.name} by {done.robot}, seed {done.seed}"
+    with recording(path, "imitate-gesture", name, blueprint(joints)) as stream:
+        stream.log("summary", rr.TextDocument(done.summary, media_type=rr.MediaType.MARKDOWN), static=True)
+        _log_world(stream, done)
+        _log_joints(stream, done)
+        _log_beliefs(stream, done)
+        _log_babbling(stream, done)
+
+
+def blueprint(joints: list[str]) -> rrb.Blueprint:
+    """3D left; joint angles, posterior, correction right; summary."""
+    world = rrb.Spatial3DView(
+        name="imitator and teacher",
+        origin="/world",
+        line_grid=False,
+        background=[32, 36, 42],
+        eye_controls=rrb.EyeControls3D(position=[1.12, 0.27, 0.55], look_target=[0.0, 0.27, 0.3]),
+    )
+    angles = [
+        rrb.TimeSeriesView(
+            name=joint,
+            origin=f"/joints/{joint}",
+            contents=[f"/joints/{joint}/demonstrated", f"/joints/{joint}/imitated", f"/joints/{joint}/replayed"],
+        )
+        for joint in joints[:2]
+    ]
+    angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
+    beliefs = [
+        rrb.BarChartView(name=f"P(action) {joints[0]}", origin=f"/belief/{joints[0]}/posterior"),
+        rrb.TimeSeriesView(name="felt bias [deg]", origin="/correction"),
+    ]
+    more = rrb.Tabs(
+        *(rrb.Spatial2DView(name=f"posterior, {joint}", origin=f"/belief/{joint}/history") for joint in joints),
+        rrb.TimeSeriesView(name="entropy [bit]", contents=["/belief/*/entropy"]),
+        rrb.TimeSeriesView(name="evidence [log10]", contents=["/belief/*/evidence"]),
+        rrb.Spatial2DView(name="body schema", origin="/babbling/body_schema"),
+        rrb.Spatial2DView(name="table coverage", origin="/babbling/coverage"),
+        active_tab=0,
+    )
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(world, rrb.TextDocumentView(name="summary", origin="/summary"), row_shares=[2.2, 1]),
+            rrb.Vertical(*angles, rrb.Horizontal(*beliefs), more, row_shares=[1, 1, 1, 1.1, 1.2]),
+            column_shares=[1, 1.1],
+        ),
+        rrb.TimePanel(state="collapsed", timeline="sim_time", play_state="paused"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+    )
+
+
+def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
+    tick = done.body.tick_s
+    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    model = done.body.model
+    log_body(stream, "world/imitator", parts(model, done.body.configurations(done.imitated)), tick)
+    if done.seen.performance is None:
+        shown = parts(model, done.body.configurations(done.seen.angles))
+        log_body(stream, "world/teacher", shown, tick, offset=(0, BESIDE, 0), tint=DEMONSTRATED)
+    else:
+        points = in_place(done.seen.performance.time, done.seen.performance.points, len(done.seen.angles), tick)
+        log_stick_figure(stream, "world/teacher", points, done.seen.performance.bones, tick, DEMONSTRATED)
+    for label, place in (("imitator", (0, 0, 0.02)), ("teacher", (0, BESIDE, 0.02))):
+        sign = rr.Points3D([place], radii=[0.004], labels=[label], colors=[(220, 220, 220)], show_labels=True)
+        stream.log(f"world/labels/{label}", sign, static=True)
+
+
+def in_place(time: NDArray[np.float64], points: NDArray[np.float64], frames: int, tick_s: float) -> NDArray[np.float64]:
+    """(frames, K, 3) teacher's points at the imitator's ticks and size, kept beside it however far it walks."""
+    at = np.minimum(np.arange(frames) * tick_s, time[-1])
+    flat = points.reshape(len(points), -1)
+    even = np.stack([np.interp(at, time, column) for column in flat.T], 1).reshape(frames, -1, 3)
+    height = np.quantile(np.ptp(even[..., 2], axis=1), 0.9)
+    even = even * (TEACHER_HEIGHT / height)
+    even[..., :2] -= even[..., :2].mean(1, keepdims=True)
+    even[..., 2] -= even[..., 2].min()
+    even[..., 1] += BESIDE
+    return even
+
+
+def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
+    tick = done.body.tick_s
+    for j, joint in enumerate(done.body.joints):
+        for name, values, colour, width in (
+            ("replayed", done.replayed, REPLAYED, 1.0),
+            ("demonstrated", done.seen.angles, DEMONSTRATED, 3.0),
+            ("imitated", done.imitated, IMITATED, 1.5),
+        ):
+            log_series(stream, f"joints/{joint}/{name}", np.rad2deg(values[:, j]), tick, name, colour, width)
+    for name, values, colour in (("imitated", done.imitated, IMITATED), ("replayed", done.replayed, REPLAYED)):
+        error = np.rad2deg(np.sqrt(np.mean((values - done.seen.angles) ** 2, axis=1)))
+        log_series(stream, f"error/{name}", error, tick, f"{name}, root mean square of all joints [deg]", colour)
+
+
+def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
+    tick, last = done.body.tick_s, done.attempts[-1]
+    colours = ((255, 140, 40), (110, 200, 120), (200, 120, 230))
+    for joint, colour in zip(done.busiest[:SHOWN], colours, strict=False):
+        factor, name = done.factors[joint], done.body.joints[joint]
+        posterior = last.posterior[:, factor]
+        log_bars(stream, f"belief/{name}/posterior", posterior, tick)
+        log_picture(stream, f"belief/{name}/history", heat_map(posterior.T[::-1] ** 0.5, aspect=4.0))
+        log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
+        evidence = np.log10(np.maximum(last.evidence[:, 0, factor], 1e-30))
+        log_series(stream, f"belief/{name}/evidence", evidence, tick, name, colour)
+        bias = np.rad2deg(last.believed[:, 0, factor, 2])
+        log_series(stream, f"correction/{name}", bias, tick, name, colour)
+
+
+def _log_babbling(stream: rr.RecordingStream, done: Performed) -> None:
+    mind = done.learned.mind
+    log_picture(stream, "babbling/body_schema", heat_map(mind.pilot.schema.information, aspect=3.0))
+    visits = np.log1p(mind.forward_model.visits)
+    tiles = [visits[done.factors[joint]] for joint in done.busiest[:SHOWN]]
+    gap = np.full((1, visits.shape[-1]), visits.max())
+    coverage = np.concatenate([part for tile in tiles for part in (tile, gap)][:-1])
+    log_picture(stream, "babbling/coverage", heat_map(coverage, "viridis", aspect=3.0))

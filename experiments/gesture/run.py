@@ -1,0 +1,213 @@
+"""HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.errors import ExperimentError
+from experiments.gesture.figures import figures
+from experiments.gesture.found import Performed, TrueAngles
+from experiments.gesture.recording import record
+from experiments.shared.baselines import direct_replay, rmse_deg
+from experiments.shared.experiment import Result
+from experiments.shared.minds import DEFAULT_MINUTES, BodyOptions, Learned, check_minutes, learn_mind, take_mind
+from experiments.shared.mirrors import (
+    MIRROR_MINUTES,
+    Eyes,
+    correspondence_metrics,
+    seen_in_mirror,
+    take_image,
+    through_mirror,
+)
+from experiments.shared.progress import progress
+from experiments.shared.watching import Seen, retarget_metrics, watch
+from imitation.acting.loop import Attempt, imitate
+from imitation.acting.rehearsal import best_eagerness
+from imitation.inference.inverse import LinearInverse
+from imitation.inference.selection import selection_rule
+from models.body import SimulatedBody
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate gesture`."""
+
+    demonstration: str = "icub-wave"
+    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles), or .urdf (a
+    robot that performs --motion)."""
+    motion: Path | None = None
+    """Joint angles (.csv, .npz) that a .urdf teacher performs."""
+    correspondence: Literal["learned", "ik"] = "learned"
+    """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
+    selection: str = "mean"
+    """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
+    attempts: int = 1
+    """How often to try; each attempt corrects what the one before missed."""
+    babbling_minutes: float = DEFAULT_MINUTES
+    """Body-minutes of babbling, over all copies."""
+    forward_model: Path | None = None
+    """A forward model that `imitate babble` left; no babbling then."""
+    robot: str = "hoap2"
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
+    sensor_noise_deg: float = 0.0
+    """Standard deviation of every angle sense, degrees."""
+    scramble: int | None = None
+    """Seed of an unknown wiring between mind and body."""
+    seeing_noise_deg: float = 0.0
+    """Standard deviation of every seen direction across the line of sight, degrees: in the mirror and of the teacher;
+    for the learned correspondence."""
+    mirror_minutes: float = MIRROR_MINUTES
+    """Body-minutes in front of the mirror."""
+    body_image: Path | None = None
+    """A body image that `imitate correspondence` left; no mirror then."""
+    seed: int = 0
+    """Seed of everything random."""
+    threads: int = 2
+    """Worker threads; the result does not depend on it."""
+    out: Path | None = None
+    """Folder for the results (runs/gesture)."""
+
+
+def run(config: Config) -> Result:
+    """Watch, babble, imitate, measure."""
+    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
+    if config.attempts < 1:
+        raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
+    selection_rule(config.selection)
+    check_minutes(config.babbling_minutes)
+    eyes = Eyes(config.seeing_noise_deg, config.mirror_minutes)
+    body = options.body(1, stream=3)
+    learned = take_mind(config.forward_model, options) if config.forward_model is not None else None
+    seen = watch(config.demonstration, body, config.motion)
+    if learned is None:
+        with progress(f"{config.robot} babbles") as report:
+            learned = learn_mind(options, config.babbling_minutes, report)
+    mind = learned.mind
+    if config.correspondence == "learned" and seen.performance is not None:
+        with progress(f"{config.robot} looks into a mirror") as report:
+            image, cost = take_image(config.body_image, options, mind.pilot, eyes, report)
+        learned.metrics.update(cost)
+        eye = np.random.default_rng([config.seed, 10])
+        frames = len(seen.angles)
+        through = through_mirror(image, body, mind.pilot, seen.performance, frames, config.seeing_noise_deg, eye)
+        seen = seen_in_mirror(seen, through, body)
+    print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
+    attempts = imitate(
+        body,
+        seen.movement,
+        mind,
+        selection=config.selection,
+        attempts=config.attempts,
+        rng=np.random.default_rng([config.seed, 8]),
+        witness=TrueAngles(body),
+    )
+    line = LinearInverse(mind.forward_model)
+    eagerness = best_eagerness(lambda copies: options.body(copies, stream=1), mind, line, config.seed)
+    peer = imitate(
+        body,
+        seen.movement,
+        mind,
+        inverse=line,
+        eagerness=eagerness,
+        rng=np.random.default_rng([config.seed, 9]),
+        witness=TrueAngles(body),
+    )[0]
+    replayed = direct_replay(body, seen.angles)
+    metrics = measure(config, body, seen, learned, attempts, peer, replayed)
+    summary = summarise(metrics, seen)
+    done = Performed(config.robot, config.seed, body, seen, learned, attempts, replayed, metrics, summary)
+    return Result(metrics, summary, figures(done), lambda path: record(path, done))
+
+
+def measure(
+    config: Config,
+    body: SimulatedBody,
+    seen: Seen,
+    learned: Learned,
+    attempts: list[Attempt],
+    peer: Attempt,
+    replayed: NDArray[np.float64],
+) -> dict[str, Any]:
+    """The numbers of metrics.json."""
+    last = attempts[-1]
+    error = np.rad2deg(last.truth[:, 0] - seen.angles)
+    labels = [body.sense_labels[sense] for sense in learned.mind.pilot.schema.posture]
+    right = np.mean([label == joint for label, joint in zip(labels, body.motor_labels, strict=True)])
+    select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in attempts])
+    return {
+        "demonstration": config.demonstration,
+        "remarks": list(seen.remarks),
+        "robot": config.robot,
+        "selection": config.selection,
+        "seed": config.seed,
+        "frames": len(seen.angles),
+        "tick": body.tick_s,
+        "joint_rmse_deg": float(np.sqrt(np.mean(error**2))),
+        "joint_rmse_deg_by_joint": dict(zip(body.joints, np.sqrt(np.mean(error**2, axis=0)).tolist(), strict=True)),
+        "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in attempts],
+        "direct_replay_rmse_deg": rmse_deg(replayed, seen.angles),
+        "linear_peer_rmse_deg": rmse_deg(peer.truth[:, 0], seen.angles),
+        "uninformed_selections": last.uninformed,
+        "selections": last.selections,
+        "never_tried_share": float(np.mean(last.familiarity < 1)),
+        "mean_entropy_bits": float(last.entropy.mean()),
+        "select_p50_ms": float(np.median(select_ms)),
+        "select_p99_ms": float(np.quantile(select_ms, 0.99)),
+        "body_schema_correct_share": float(right),
+        "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
+        "habit_mean": float(learned.mind.temper.habit.mean()),
+        **retarget_metrics(seen),
+        **correspondence_metrics(seen.corresponded, seen.retargeted, body.tick_s),
+        **learned.metrics,
+        **curve_metrics(learned),
+    }
+
+
+def curve_metrics(learned: Learned) -> dict[str, Any]:
+    """The learning curve's numbers; nothing for a mind from a file."""
+    if learned.curve is None:
+        return {}
+    return {
+        "learning_curve_body_minutes": learned.curve.minutes,
+        "learning_curve_table_deg": learned.curve.table_deg,
+        "learning_curve_linear_deg": learned.curve.linear_deg,
+    }
+
+
+def correspondence_rows(seen: Seen, metrics: dict[str, Any]) -> list[tuple[str, str]]:
+    """What the learned correspondence did, where one was used."""
+    if seen.corresponded is None:
+        return []
+    both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"
+    return [("limb directions off where they can be reached: learned / inverse kinematics", both)]
+
+
+def summarise(metrics: dict[str, Any], seen: Seen) -> str:
+    """The result as a markdown table."""
+    rows = [
+        (
+            "joint error, imitated (attempt " + f"{len(metrics['attempts_rmse_deg'])})",
+            f"{metrics['joint_rmse_deg']:.4f} deg",
+        ),
+        ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
+        ("joint error, direct replay", f"{metrics['direct_replay_rmse_deg']:.4f} deg"),
+        ("joint error, linear inverse model in the same loop", f"{metrics['linear_peer_rmse_deg']:.4f} deg"),
+        (
+            "limb directions off, inverse kinematics (what this body cannot do included)",
+            f"{metrics['retarget_error_deg']:.2f} deg",
+        ),
+        *correspondence_rows(seen, metrics),
+        (
+            "babbling",
+            f"{metrics['babbling_body_minutes']:.1f} body-minutes + {metrics['pilot_body_minutes']:.1f} pilot",
+        ),
+        ("one selection, all joints", f"{metrics['select_p50_ms']:.2f} ms of {1e3 * metrics['tick']:.0f} ms"),
+        ("selections where Eq. (1) was 0/0", f"{metrics['uninformed_selections']} of {metrics['selections']}"),
+        ("motors whose joint babbling found", f"{metrics['body_schema_correct_share']:.0%}"),
+    ]
+    title = f"**{seen.movement.name}**, {metrics['frames'] * metrics['tick']:.1f} s, by {metrics['robot']}"
+    return "\n".join([title, "", "| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])

@@ -1,0 +1,5 @@
+"""`python -m experiments.head` does what `imitate head` does."""
+
+from experiments.__main__ import script
+
+script(__package__)

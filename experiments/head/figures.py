@@ -1,0 +1,132 @@
+"""Figures of head imitation: demonstrated, estimated and imitated angles; what a head at a posture looks like."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from experiments.shared.caregiver import FACE
+from imitation.head_memory import HeadMemory
+from imitation.seeing.pose import Appearance
+from models.biclops.movements import TICK_S
+
+if TYPE_CHECKING:
+    from experiments.head.found import Performed, Seen
+
+FloatArray = NDArray[np.float64]
+AXES = ("pan", "tilt")
+TRUE, RAW, ESTIMATED, IMITATED = "#222222", "#bbbbbb", "#4c72b0", "#d9541e"
+_INK = {"red": "#d62728", "blue": "#1f4fd8", "green": "#2ca02c", "yellow": "#d4b400", "magenta": "#c218c2"}
+
+
+def figures(appearance: Appearance, seen: list[Seen], performed: list[Performed]) -> dict[str, Figure]:
+    """All of them, by file stem."""
+    drawn = {"movement": movement(seen[0], performed[0]), "appearance": looks(appearance)}
+    if len(seen) > 1:
+        drawn["errors"] = errors(seen, performed)
+    return drawn
+
+
+def movement(one: Seen, done: Performed) -> Figure:
+    """One sequence: what was demonstrated, each frame's own estimate, the estimate, what was imitated; errors below."""
+    figure = Figure(figsize=(10.5, 6.4), layout="constrained")
+    panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.2, 1.2, 1])
+    time = np.arange(len(one.path)) * TICK_S
+    frames = np.isfinite(one.truth[:, 0])
+    for i, name in enumerate(AXES):
+        axes = panels[i]
+        _hide(axes, time, one.hidden)
+        axes.plot(time[frames], np.rad2deg(one.watched.raw[frames, i]), ".", color=RAW, ms=3, label="each frame alone")
+        axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=TRUE, lw=3.2, alpha=0.35, label="demonstrated")
+        axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=ESTIMATED, lw=1.3, label="estimated")
+        axes.plot(time, np.rad2deg(done.imitated[:, i]), color=IMITATED, lw=1.0, ls="--", label="imitated")
+        axes.set_ylabel(f"{name} [deg]")
+        ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
+        axes.set_ylim(ends[0] - 4, ends[1] + 4)
+    panels[0].legend(ncols=4, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    _hide(panels[2], time, one.hidden)
+    for values, colour, label in (
+        (one.watched.raw, RAW, "each frame alone"),
+        (one.watched.pose, ESTIMATED, "estimated"),
+        (done.imitated, IMITATED, "imitated"),
+    ):
+        away = np.hypot(*np.rad2deg(values - one.truth)[frames].T)
+        panels[2].plot(time[frames], away, color=colour, lw=1.2, label=label)
+    panels[2].set(yscale="log", ylim=(0.01, 30), ylabel="error [deg]", xlabel="s")
+    return figure
+
+
+def _hide(axes: Axes, time: FloatArray, hidden: NDArray[np.bool_]) -> None:
+    """Shade what a card hid."""
+    if hidden.any():
+        axes.axvspan(time[hidden][0], time[hidden][-1], color="#f3e2c7", lw=0)
+        axes.annotate(
+            "face hidden", (time[hidden].mean(), 0.03), xycoords=("data", "axes fraction"), ha="center", fontsize=7,
+            color="#9a7b45",
+        )  # fmt: skip
+
+
+def looks(appearance: Appearance) -> Figure:
+    """What was learned of a head's looks: where its features are seen as it pans and tilts."""
+    figure = Figure(figsize=(10.5, 4.2), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    sweep = np.linspace(-0.9, 0.9, 25)
+    grid = appearance.expect(np.stack(np.meshgrid(*[sweep * s for s in appearance.scale]), -1))  # tilt, pan, M
+    numbers = grid.reshape(*grid.shape[:2], len(FACE), 2, 3)
+    for eye, axes in enumerate(panels):
+        for feature, name in enumerate(FACE):
+            u, v = numbers[..., feature, eye, 0], numbers[..., feature, eye, 1]
+            for row in range(0, 25, 6):
+                axes.plot(u[row], v[row], color=_INK[name], lw=1.3)
+                axes.plot(u[:, row], v[:, row], color=_INK[name], lw=0.6, alpha=0.7)
+        axes.set(title=f"{('left', 'right')[eye]} eye", xlabel="u [px]", aspect="equal")
+    panels[0].set_ylabel("v [px]")
+    panels[0].invert_yaxis()
+    figure.suptitle(
+        "what a head looks like as it pans (thick) and tilts (thin): learned from being mirrored", fontsize=10
+    )
+    return figure
+
+
+def errors(seen: list[Seen], performed: list[Performed]) -> Figure:
+    """Every sequence's error, by kind of estimate."""
+    from experiments.head.recall import rms_deg
+
+    figure = Figure(figsize=(8, 3.8), layout="constrained")
+    axes = figure.subplots()
+    rows = {
+        "each frame alone": ([rms_deg([o.watched.raw], [o.truth]) for o in seen], RAW, "s"),
+        "raw, replayed": (
+            [rms_deg([p.replayed], [o.truth]) for o, p in zip(seen, performed, strict=True)],
+            "0.45",
+            "x",
+        ),
+        "filter (past only)": ([rms_deg([o.watched.live], [o.truth]) for o in seen], "#7fa7d9", "v"),
+        "estimated": ([rms_deg([o.watched.pose], [o.truth]) for o in seen], ESTIMATED, "o"),
+        "imitated": ([rms_deg([p.imitated], [o.truth]) for o, p in zip(seen, performed, strict=True)], IMITATED, "D"),
+    }
+    for label, (values, colour, mark) in rows.items():
+        axes.plot(np.arange(1, len(values) + 1), values, mark, color=colour, ms=5, label=label)
+    axes.axhline(0.8, color=ESTIMATED, lw=0.8, ls=":")
+    axes.axhline(1.0, color=IMITATED, lw=0.8, ls=":")
+    axes.set(yscale="log", xlabel="sequence", ylabel="RMS error [deg]")
+    axes.legend(fontsize=8, frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+    return figure
+
+
+def recalled(memory: HeadMemory, imitated: FloatArray) -> Figure:
+    """A remembered movement and its performance."""
+    figure = Figure(figsize=(9, 4.2), layout="constrained")
+    panels = figure.subplots(2, 1, sharex=True)
+    time = np.arange(len(memory.pose)) * memory.tick_s
+    for i, (axes, name) in enumerate(zip(panels, AXES, strict=True)):
+        axes.plot(time, np.rad2deg(memory.pose[:, i]), color=ESTIMATED, lw=3, alpha=0.4, label="remembered")
+        axes.plot(time, np.rad2deg(imitated[:, i]), color=IMITATED, lw=1.2, label="imitated")
+        axes.set_ylabel(f"{name} [deg]")
+    panels[0].legend(frameon=False, fontsize=8, ncols=2)
+    panels[1].set_xlabel("s")
+    return figure

@@ -1,0 +1,275 @@
+"""A head watches another head nod, shake and look around, remembers it, and does the same: at once or another day."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.mind import Mind, learn
+from babbling.storage import save_mind
+from experiments.errors import ExperimentError
+from experiments.head.alone import from_memory, nobody
+from experiments.head.found import Performed, Seen
+from experiments.head.recall import in_new_process, reproduce, rms_deg
+from experiments.shared.caregiver import (
+    FRAME_S,
+    Occlusion,
+    Search,
+    Sequences,
+    lesson,
+    opposite,
+    search,
+    watch_teacher,
+)
+from experiments.shared.experiment import Result
+from experiments.shared.eyes import EyeOptions, reach_of
+from experiments.shared.progress import progress
+from imitation.head_memory import HeadMemory, save_head_memory
+from imitation.inference.selection import selection_rule
+from imitation.seeing.pose import Appearance, watch
+from models.biclops.movements import TICK_S, movement
+from models.heads import head_facts
+from models.seeing_body import head_fingerprint, watching_body
+
+FloatArray = NDArray[np.float64]
+
+LESSONS = 400
+STUDY_SEQUENCES = 20
+MOST_SEQUENCES = 64
+MIND_COPIES = 32
+BEFORE = 0.5
+"""Share of the way to the teacher at which the card passes."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate head`."""
+
+    robot: str = "biclops"
+    """biclops or hoap2."""
+    movement: str = "random"
+    """What the teacher does: nod, shake, look_around or random."""
+    sequences: int = 1
+    """How many such sequences; the first one is recorded."""
+    study: bool = False
+    """20 random sequences."""
+    deferred: bool = False
+    """Imitate in a new process, from the memory file alone, in another room."""
+    memory: Path | None = None
+    """Imitate from the memory file that an earlier run left (its mind.nc beside it), without a teacher."""
+    distance: float = 0.7
+    """m between the heads."""
+    noise: float = 0.02
+    """Pixel noise, standard deviation as a share of full scale."""
+    occlusion_s: float = 0.3
+    """How long a card hides the face, somewhere in each sequence; 0 for none."""
+    width: int = 160
+    """Pixels of each retina, across."""
+    height: int = 120
+    """Pixels of each retina, down."""
+    blur: float = 0.0
+    """Standard deviation of a blur, pixels."""
+    fovy_deg: float | None = None
+    """Vertical field of view; None is the robot's own."""
+    renderer: str = "rays"
+    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
+    babbling_minutes: float = 8.0
+    """Body-minutes of babbling with the neck, over all copies."""
+    lessons: int = LESSONS
+    """Postures that the caregiver mirrors."""
+    selection: str = "mean"
+    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
+    start_pan_deg: float = 0.0
+    """Where the imitator happens to look at first; it searches when it sees no face there."""
+    search_s: float = 12.0
+    """Seconds after which a search for a face is given up."""
+    absent: bool = False
+    """Nobody is there."""
+    seed: int = 0
+    """Seed of everything random."""
+    out: Path | None = None
+    """Folder of the results (runs/head)."""
+
+    @property
+    def eyes(self) -> EyeOptions:
+        """How the eyes see."""
+        return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
+
+
+def run(config: Config) -> Result:
+    """Learn, watch, remember, imitate.
+
+    Raises:
+        ExperimentError, BodyError, BabblingError: options that cannot be meant.
+    """
+    _check(config)
+    if config.memory is not None:
+        return from_memory(config)
+    with progress("looking for a face") as report:
+        looked = _search(config)
+    if not looked.found:
+        return nobody(config, looked)
+    with progress("the caregiver mirrors") as report:
+        appearance = lesson(config.eyes, config.lessons, config.seed, config.distance, report)
+    with progress("babbling with the neck"):
+        mind = learn(watching_body(config.robot, copies=MIND_COPIES), minutes=config.babbling_minutes, seed=config.seed)
+    with progress("watching") as report:
+        sequences, paths = _watch(config, report)
+    seen = []
+    for b, path in enumerate(paths):
+        count = len(path)
+        numbers = sequences.numbers[:count, b]
+        watched = watch(appearance, numbers, TICK_S)
+        seen.append(Seen(path, sequences.truth[:count, b], numbers, sequences.hidden[:count, b], watched))
+    performed = []
+    with progress("imitating") as report:
+        for b, one in enumerate(seen):
+            performed.append(_perform(config, mind, one, config.seed + b))
+            report((b + 1) / len(seen))
+    return _result(config, looked, appearance, mind, sequences, seen, performed)
+
+
+def _check(config: Config) -> None:
+    if config.seed < 0:
+        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
+    if not 1 <= config.sequences <= MOST_SEQUENCES:
+        raise ExperimentError(f"--sequences {config.sequences}: 1 to {MOST_SEQUENCES} are possible")
+    if not 0.0 <= config.occlusion_s <= 3.0:
+        raise ExperimentError(f"--occlusion-s {config.occlusion_s:g}: 0 to 3 seconds are possible")
+    if not 0.0 < config.search_s <= 120.0:
+        raise ExperimentError(f"--search-s {config.search_s:g}: more than 0, at most 120 seconds")
+    if not 100 <= config.lessons <= 5000:
+        raise ExperimentError(f"--lessons {config.lessons}: 100 to 5000 mirrored postures are possible")
+    if not abs(config.start_pan_deg) <= 90:
+        raise ExperimentError(f"--start-pan-deg {config.start_pan_deg:g}: -90 to 90 degrees are possible")
+    if not 0.4 <= config.distance <= 1.2:
+        raise ExperimentError(f"--distance {config.distance:g}: a face is made out from 0.4 to 1.2 m")
+    _ = config.eyes.retina
+    head_facts(config.robot)
+    selection_rule(config.selection)
+    movement(config.movement, np.random.default_rng(0))
+
+
+def _search(config: Config) -> Search:
+    body = opposite(config.eyes, 1, config.seed + 1, distance=config.distance, tick_s=1.4, teacher=not config.absent)
+    body.reset()
+    return search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
+
+
+def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray]]:
+    count = STUDY_SEQUENCES if config.study else config.sequences
+    rng = np.random.default_rng([config.seed, 0x5E9])
+    name = "random" if config.study else config.movement
+    paths = [within_reach(movement(name, rng), config.robot) for _ in range(count)]
+    cards = [
+        Occlusion(float(rng.uniform(0.8, len(p) * TICK_S - 0.8)), config.occlusion_s, BEFORE * config.distance)
+        for p in paths
+    ]
+    body = opposite(config.eyes, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S)
+    return watch_teacher(body, paths, cards if config.occlusion_s > 0 else None, report), paths
+
+
+def within_reach(path: FloatArray, robot: str) -> FloatArray:
+    """A teacher minds what the pupil's neck can do: looks up are made as low as need be, alike in each."""
+    low = 0.9 * reach_of(robot).low[1]
+    up = path[:, 1].min()
+    if up >= low:
+        return path
+    return np.column_stack([path[:, 0], np.where(path[:, 1] < 0, path[:, 1] * low / up, path[:, 1])])
+
+
+def remembered(config: Config, one: Seen, name: str) -> HeadMemory:
+    """What lasts of a watched sequence."""
+    return HeadMemory(head_fingerprint(config.robot), TICK_S, name, one.watched.pose, one.watched.deviation)
+
+
+def _perform(config: Config, mind: Mind, one: Seen, seed: int) -> Performed:
+    memory = remembered(config, one, config.movement)
+    if config.deferred:
+        with tempfile.TemporaryDirectory() as folder:
+            save_head_memory(memory, Path(folder) / "memory.nc")
+            save_mind(mind, Path(folder) / "mind.nc")
+            imitated = in_new_process(Path(folder) / "memory.nc", config.robot, config.selection, seed)
+    else:
+        imitated = reproduce(memory, mind, config.robot, config.selection, seed)
+    body = watching_body(config.robot)
+    body.reset()
+    replayed = np.empty_like(imitated)
+    for _ in range(100):
+        body.act(body.command_angles(one.watched.raw[:1]))
+    for t, pose in enumerate(one.watched.raw):
+        replayed[t] = body.joint_angles[0]
+        body.act(body.command_angles(pose[None]))
+    return Performed(imitated, replayed)
+
+
+def _result(
+    config: Config,
+    looked: Search,
+    appearance: Appearance,
+    mind: Mind,
+    sequences: Sequences,
+    seen: list[Seen],
+    performed: list[Performed],
+) -> Result:
+    truth = [one.truth for one in seen]
+    pose, live, raw = ([getattr(one.watched, kind) for one in seen] for kind in ("pose", "live", "raw"))
+    clear = [np.where(one.hidden[:, None], np.nan, one.truth) for one in seen]
+    estimate = rms_deg(pose, truth)
+    each = [rms_deg([p.imitated], [t]) for p, t in zip(performed, truth, strict=True)]
+    metrics: dict[str, Any] = {
+        "robot": config.robot,
+        "movement": "random" if config.study else config.movement,
+        "face_found": True,
+        "search_s_simulated": looked.seconds,
+        "sequences": len(seen),
+        "frames": int(sum(np.isfinite(t[:, 0]).sum() for t in truth)),
+        "hidden_frames": int(sum((one.hidden & np.isfinite(one.truth[:, 0])).sum() for one in seen)),
+        "lessons": config.lessons,
+        "head_estimate_rmse_deg": estimate,
+        "head_live_estimate_rmse_deg": rms_deg(live, truth),
+        "head_raw_estimate_rmse_deg": rms_deg(raw, truth),
+        "head_raw_estimate_in_view_rmse_deg": rms_deg(raw, clear),
+        "head_estimate_in_view_rmse_deg": rms_deg(pose, clear),
+        "head_raw_over_filtered": rms_deg(raw, truth) / estimate,
+        "head_reproduced_rmse_deg": rms_deg([p.imitated for p in performed], truth),
+        "head_reproduced_worst_sequence_deg": max(each),
+        "head_raw_replay_rmse_deg": rms_deg([p.replayed for p in performed], truth),
+        "deferred": config.deferred,
+    }
+    from experiments.head.figures import figures
+    from experiments.head.recording import record
+
+    summary = _summary(config, metrics)
+    return Result(
+        metrics,
+        summary,
+        figures(appearance, seen, performed),
+        lambda path: record(path, config, sequences, appearance, seen[0], performed[0], summary),
+        {
+            "memory.nc": lambda path: save_head_memory(remembered(config, seen[0], config.movement), path),
+            "mind.nc": lambda path: save_mind(mind, path, robot=config.robot),
+        },
+    )
+
+
+def _summary(config: Config, metrics: dict[str, Any]) -> str:
+    how = "in a new process, from the memory file, in another room" if config.deferred else "at once"
+    rows = [
+        ("watched", f"{metrics['sequences']} x {metrics['movement']}, {metrics['frames']} frames, face hidden in "
+                    f"{metrics['hidden_frames']}"),
+        ("estimated pose", f"{metrics['head_estimate_rmse_deg']:.3f} deg RMS (knowing the past only "
+                           f"{metrics['head_live_estimate_rmse_deg']:.3f})"),
+        ("each frame by itself", f"{metrics['head_raw_estimate_rmse_deg']:.3f} deg, "
+                                 f"{metrics['head_raw_over_filtered']:.1f} times as much; in view "
+                                 f"{metrics['head_raw_estimate_in_view_rmse_deg']:.3f} against "
+                                 f"{metrics['head_estimate_in_view_rmse_deg']:.3f}"),
+        (f"imitated, {how}", f"{metrics['head_reproduced_rmse_deg']:.3f} deg from the true movement (worst sequence "
+                             f"{metrics['head_reproduced_worst_sequence_deg']:.3f})"),
+        ("raw estimate replayed", f"{metrics['head_raw_replay_rmse_deg']:.3f} deg"),
+    ]  # fmt: skip
+    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+    return f"# {config.robot} imitates a head\n\n{table}\n"

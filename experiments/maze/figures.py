@@ -1,0 +1,213 @@
+"""The chapter's Figures 5, 6 and 7, and the learning curve, panel by panel as its captions describe them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from babbling.axes import FloatArray
+from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
+from experiments.maze.learning import Curve
+from experiments.maze.mind import Inferred
+from imitation.acting.follow import Journey
+from imitation.inference.intent import in_blocks
+from models.maze import ACTIONS, STEPS, Maze, Walk
+
+
+def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: int) -> Figure:
+    """(a) the maze, (b) the five actions, (c) true and learned forward model side by side."""
+    figure = Figure(figsize=(11.8, 5.9), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=[2.05, 1, 1], height_ratios=[0.82, 1])
+    place = figure.add_subplot(grid[:, 0])
+    draw_maze(place, maze)
+    place.set_anchor("N")
+    place.set_title("(a)  maze, start (*) and goals", loc="left")
+    for number, (x, y) in enumerate(maze.goals, 1):
+        right = x > 0.8 * maze.width
+        place.annotate(
+            f"Goal {number}", (x, y), xytext=(-9 if right else 9, -3), textcoords="offset points", fontsize=8,
+            ha="right" if right else "left",
+        )  # fmt: skip
+    actions = figure.add_subplot(grid[0, 1:])
+    _draw_actions(actions)
+    actions.set_title("(b)  actions", loc="left")
+    tables = [figure.add_subplot(grid[1, 1 + column]) for column in range(2)]
+    titles = ("(c)  actual", f"learned from {transitions} transitions")
+    for axes, title, table in zip(tables, titles, (truth, learned), strict=True):
+        picture = axes.imshow(table, cmap="gray", vmin=0, vmax=1)
+        for (row, col), value in np.ndenumerate(table):
+            shade = "white" if value < 0.5 else "black"
+            axes.text(col, row, f"{value:.2f}".lstrip("0"), ha="center", va="center", fontsize=8, color=shade)
+        axes.set_xticks(range(5), ACTIONS)
+        axes.set_yticks(range(5), ACTIONS)
+        axes.set_xlabel("$s_{t+1}$ relative to $s_t$")
+        axes.set_title(title, loc="left", fontsize=10)
+        axes.tick_params(length=0)
+    tables[0].set_ylabel("$a_t$")
+    figure.colorbar(picture, ax=tables, shrink=0.85, label="$P(s_{t+1} \\mid s_t, a_t)$")
+    return figure
+
+
+def _draw_actions(axes: Axes) -> None:
+    for name, (dx, dy) in zip(ACTIONS, STEPS, strict=True):
+        axes.add_patch(_square(1.0 * dx, 1.0 * dy))
+        if dx or dy:
+            axes.annotate(
+                "",
+                (0.86 * dx, 0.86 * dy),
+                (0.22 * dx, 0.22 * dy),
+                arrowprops={"arrowstyle": "-|>", "lw": 2, "color": "k"},
+            )
+        axes.text(1.28 * dx, 1.28 * dy, name, ha="center", va="center", fontsize=12, weight="bold")
+    axes.set_xlim(-2.6, 2.6)
+    axes.set_ylim(-1.65, 1.65)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _square(x: float, y: float) -> Rectangle:
+    return Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor="none", edgecolor="0.75", lw=0.8)
+
+
+def figure_6(
+    maze: Maze, priors: FloatArray, walks: Sequence[Walk], journey: Journey, goal: int, selection: str
+) -> Figure:
+    """(a) learned priors for N, S, E, W, (b) the teacher's trajectories, (c) an imitation; time in grey."""
+    figure = Figure(figsize=(14.2, 5.6), layout="constrained")
+    grid = figure.add_gridspec(2, 4, width_ratios=[1, 1, 2, 2])
+    for i, name in enumerate("NSEW"):
+        axes = figure.add_subplot(grid[i // 2, i % 2])
+        probability = priors[goal - 1, :, ACTIONS.index(name)].reshape(maze.height, maze.width)
+        axes.imshow(
+            probability, cmap="gray", vmin=0, vmax=1, origin="lower",
+            extent=(0.5, maze.width + 0.5, 0.5, maze.height + 0.5),
+        )  # fmt: skip
+        draw_maze(axes, maze, marks=False, colour="#5f86a8", width=0.7)
+        axes.set_xlim(0.4, maze.width + 0.6)
+        axes.set_ylim(0.4, maze.height + 0.6)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        axes.set_xlabel(name, weight="bold")
+        if i == 0:
+            axes.set_title(f"(a)  $P(a_t \\mid s_t, s_G)$, Goal {goal}", loc="left", fontsize=11)
+    teacher = figure.add_subplot(grid[:, 2])
+    _own_goal(teacher, maze, goal)
+    shown = [walk for walk in walks if walk.goal == goal]
+    draw_walks(teacher, [walk.places for walk in shown[:6]], dashed=True)
+    lengths = " and ".join(str(walk.steps) for walk in shown[:6])
+    teacher.set_title(f"(b)  teacher, {lengths} steps", loc="left", fontsize=11)
+    imitator = figure.add_subplot(grid[:, 3])
+    _own_goal(imitator, maze, goal)
+    cells = journey.states[: journey.steps[0] + 1, 0]
+    draw_walks(imitator, [np.stack([cells % maze.width + 1, cells // maze.width + 1], -1)], dashed=False, width=2.0)
+    end = f"{journey.steps[0]} steps" if journey.reached[0] else f"not there after {journey.steps[0]} steps"
+    imitator.set_title(f"(c)  imitator ({selection}), {end}", loc="left", fontsize=11)
+    return figure
+
+
+def _own_goal(axes: Axes, maze: Maze, goal: int) -> None:
+    """The maze with only the goal in question, as in the chapter's Figures 6 and 7."""
+    draw_maze(axes, maze, marks=False, width=2.2)
+    axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * mark_size(maze), zorder=4)
+    draw_goal(axes, maze, goal)
+
+
+def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_prior: FloatArray, block: int) -> Figure:
+    """(a) the unseen walk, (b) inferred intent in blocks, and beside it what the chapter only mentions:
+    a uniform prior over goals, and a filter over time.
+    """
+    figure = Figure(figsize=(13.2, 5.8), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=[1.55, 1.15, 1.15])
+    place = figure.add_subplot(grid[:, 0])
+    _own_goal(place, maze, walk.goal)
+    draw_walks(place, [walk.places], dashed=True, width=2.0)
+    place.set_title(f"(a)  test walk to Goal {walk.goal}, {walk.steps} steps", loc="left", fontsize=11)
+    told = ", ".join(f"{p:g}" for p in goal_prior.round(3))
+    last = walk.steps - (walk.steps - 1) // block * block
+    panels = (
+        (f"(b)  inferred intent, Eq. (2), goal prior {told}", inferred.by_step.probability, True),
+        ("goal prior uniform", even.by_step.probability, True),
+        (f"Bayes filter, goal prior {told}", inferred.filtered.probability, False),
+        ("Bayes filter, goal prior uniform", even.filtered.probability, False),
+    )
+    for i, (title, probability, blocks) in enumerate(panels):
+        axes = figure.add_subplot(grid[i % 2, 1 + i // 2])
+        for goal in range(len(maze.goals)):
+            if blocks:
+                values, at = in_blocks(probability[:, goal], block), np.arange(0, walk.steps, block) + block / 2
+                at[-1] = (walk.steps - last + walk.steps) / 2
+            else:
+                values, at = probability[:, goal], np.arange(1, walk.steps + 1)
+            axes.plot(
+                at, values, "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
+                markerfacecolor=GOAL_SHADES[goal], markeredgecolor=GOAL_COLOURS[goal], label=f"Goal {goal + 1}",
+            )  # fmt: skip
+        axes.set_ylim(-0.03, 1.03)
+        axes.set_xlim(0, walk.steps + 1)
+        axes.set_title(title, loc="left", fontsize=10)
+        axes.grid(alpha=0.25)
+        axes.set_ylabel("$P(s_G)$" if i < 2 else "")
+        axes.set_xlabel(f"step (means over {block}, the last over {last})" if i == 1 else "step" if i % 2 else "")
+        if i == 0:
+            axes.legend(frameon=False, fontsize=9, loc="center")
+    return figure
+
+
+def learning_curve(curve: Curve) -> Figure:
+    """Total variation of the learned rows against wandering steps and against counted visits, with the bound."""
+    wide = len(curve.per_visit) >= 3
+    figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")
+    axes = figure.add_subplot(1, 2 if wide else 1, 1)
+    low, high = zip(*curve.spread, strict=True)
+    if low != high:
+        axes.fill_between(curve.steps, low, high, color="#1b6ca8", alpha=0.18, lw=0, label="8 walkers of 10")
+    axes.loglog(curve.steps, curve.tv, "o-", color="#1b6ca8", label="learned rows")
+    axes.loglog(curve.steps, curve.bound, "k--", lw=1.3, label="multinomial bound")
+    axes.set_xlabel("wandering steps")
+    axes.set_ylabel("mean total variation per row")
+    axes.legend(frameon=False)
+    axes.grid(alpha=0.25, which="both")
+    if wide:
+        beside = figure.add_subplot(1, 2, 2, sharey=axes)
+        visits, tv = np.array(curve.per_visit).T
+        beside.loglog(visits, tv, "o", color="#1b6ca8", label=f"rows, slope {curve.slope:.3f}")
+        beside.loglog(visits, tv[0] * np.sqrt(visits[0] / visits), "k--", lw=1.3, label="slope -1/2")
+        beside.set_xlabel("counted visits of the row")
+        beside.legend(frameon=False)
+        beside.grid(alpha=0.25, which="both")
+    return figure
+
+
+METHOD_STYLE = {
+    "imitation": ("#1b6ca8", "o"),
+    "value iteration, walls known": ("#66a182", "s"),
+    "value iteration, replanning": ("#7b5ea7", "D"),
+    "value iteration, walls discovered": ("#edae49", "^"),
+    "Q-learning": ("#d1495b", "v"),
+}
+
+
+def trials_figure(curves: dict[str, dict[int, dict[str, list[float]]]], reliable: float) -> Figure:
+    """Share of runs that arrive within three times the least expected steps, by own steps; one panel per goal."""
+    goals = sorted(next(iter(curves.values())))
+    figure = Figure(figsize=(4.4 * len(goals) + 0.6, 4.6), layout="constrained")
+    panels = figure.subplots(1, len(goals), sharey=True, sharex=True, squeeze=False)[0]
+    for axes, goal in zip(panels, goals, strict=True):
+        for method, lines in curves.items():
+            colour, marker = METHOD_STYLE[method]
+            steps, share = np.array(lines[goal]["steps"]), np.array(lines[goal]["share"])
+            axes.semilogx(steps, share, "-", marker=marker, color=colour, markersize=4.5, lw=1.6, label=method)
+            enough = np.flatnonzero(share >= reliable)
+            if enough.size:
+                axes.axvline(steps[enough[0]], color=colour, lw=0.9, ls=":", ymax=0.955)
+        axes.axhline(reliable, color="black", lw=0.9, ls="--")
+        axes.set_title(f"Goal {goal}", loc="left", fontsize=11)
+        axes.set_xlabel("own steps in the maze")
+        axes.grid(alpha=0.25)
+        axes.set_ylim(-0.03, 1.05)
+    panels[0].set_ylabel("share of runs within 3 x the least steps")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False, fontsize=9)
+    return figure

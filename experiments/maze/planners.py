@@ -1,0 +1,236 @@
+"""What imitation is compared with: value iteration on learned dynamics, and Q-learning. All learn by own steps.
+
+The question is the chapter's (section 3.2): how many trials until the goal is reached reliably? Reliable: at least 95 %
+of runs arrive within three times the least expected number of steps. Dynamic programming here minimises the expected
+number of steps J to the goal (Bellman 1957; Watkins 1989 for Q-learning):
+
+    J(s) = 1 + min_a sum_o P(o | a) J(lead(s, o)),     J(goal) = 0
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import FloatArray, IntArray
+from babbling.loop import explore, flat
+from babbling.moves import Places, Wanderer
+from experiments.maze.mind import believed_tables
+from models.maze import ACTIONS, Maze, MazeBody
+
+RELIABLE, PATIENCE = 0.95, 3.0
+
+
+@dataclass(frozen=True)
+class Learner:
+    """One setting of Q-learning, textbook and optimistic ones side by side."""
+
+    name: str
+    rate: float
+    """Step size; of a decaying one, the exponent w in visits^-w, negative."""
+    explore: float
+    """Share of random actions while learning (epsilon-greedy)."""
+    discount: float
+    optimistic: bool
+    """-1 per step and zero at first (every untried action looks best), or +1 at the goal and zero elsewhere."""
+
+
+Q_SETTINGS = (
+    Learner("reward at the goal, rate .1, explore .1", 0.1, 0.1, 0.98, False),
+    Learner("reward at the goal, rate .5, explore .1", 0.5, 0.1, 0.98, False),
+    Learner("step cost, rate .1, explore .1", 0.1, 0.1, 1.0, True),
+    Learner("step cost, rate .2, explore .05", 0.2, 0.05, 1.0, True),
+    Learner("step cost, rate .3, explore 0", 0.3, 0.0, 1.0, True),
+    Learner("step cost, rate .5, explore .1", 0.5, 0.1, 1.0, True),
+    Learner("step cost, rate visits^-.6, explore .05", -0.6, 0.05, 1.0, True),
+)
+
+
+def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 1000) -> FloatArray:
+    """(R, S, A) expected steps to the goal after each action, for R planners at once.
+
+    Args:
+        lead: (R or 1, S, O) cell that each outcome leads to, as the planner believes.
+        dynamics: (R, A, O) as the planner believes.
+        goal: cell.
+        horizon: the most steps looked ahead (a goal may be believed all but out of reach).
+    """
+    planners = len(dynamics)
+    value = np.zeros((planners, lead.shape[1]))
+    transposed = dynamics.transpose(0, 2, 1)
+    row = np.arange(planners)[:, None, None]
+    for _ in range(horizon):
+        to_go = 1 + value[row, lead] @ transposed
+        to_go[:, goal] = 0
+        new = to_go.min(-1)
+        change = np.abs(new - value).max()
+        value = new
+        if change < 1e-3:
+            break
+    return to_go
+
+
+def arrivals(
+    maze: Maze, goal: int, policy: IntArray, limit: int, seed: tuple[int, ...], episodes: int
+) -> NDArray[np.bool_]:
+    """(R, episodes) whether (R, S) policies reach the goal cell from the start within the limit."""
+    walkers = len(policy) * episodes
+    body = MazeBody(maze, copies=walkers, seed=seed)
+    owner = np.repeat(np.arange(len(policy)), episodes)
+    body.reset()
+    arrived = np.zeros(walkers, bool)
+    for _ in range(limit):
+        arrived |= body.move(policy[owner, body.cell]) == goal
+        if arrived.all():
+            break
+    return arrived.reshape(len(policy), episodes)
+
+
+def least_steps(maze: Maze, dynamics: FloatArray, goal: int) -> float:
+    """Expected steps from the start under the best policy, all being known."""
+    return float(steps_to_go(maze.lead[None], dynamics[None], goal)[0, maze.number(maze.start)].min())
+
+
+def limit_for(maze: Maze, dynamics: FloatArray, goal: int) -> int:
+    """Steps within which a run counts as success."""
+    return int(PATIENCE * least_steps(maze, dynamics, goal))
+
+
+class Walls:
+    """What R walkers have felt of one maze; sides never felt are taken for open."""
+
+    def __init__(self, maze: Maze, walkers: int) -> None:
+        rim = np.zeros_like(maze.walls)
+        rim[-1, :, 0], rim[:, -1, 1], rim[0, :, 2], rim[:, 0, 3] = True, True, True, True
+        self._open = Maze(rim, maze.start, maze.goals).lead
+        self._felt = np.zeros((walkers, maze.cells, 5), bool)
+        self._walker = np.arange(walkers)
+
+    def feel(self, cells: IntArray, touch: NDArray[np.bool_]) -> None:
+        """(..., R) cells and (..., R, 4) what touch said there."""
+        self._felt[np.broadcast_to(self._walker, cells.shape), cells, :4] = touch
+
+    @property
+    def lead(self) -> IntArray:
+        """(R, S, 5) where outcomes lead as far as is known; a wall felt from one side is known from the other."""
+        both = self._felt.copy()
+        for side in range(4):
+            beyond = self._open[:, side]
+            inside = beyond != np.arange(len(beyond))
+            both[:, inside, side] |= self._felt[:, beyond[inside], (side + 2) % 4]
+        return np.where(both, np.arange(both.shape[1])[:, None], self._open)
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What R walkers know at one moment."""
+
+    tables: FloatArray
+    """(R, A, O) learned dynamics, uniform where an action was never counted."""
+    lead: IntArray
+    """(R, S, O) `Walls.lead`."""
+
+
+def wanderers(
+    maze: Maze, copies: int, budgets: Sequence[int], seed: int, report: Callable[[float], None]
+) -> Iterator[Known]:
+    """What random walkers, each alone, know after each budget of steps: one walk, never put back."""
+    body = MazeBody(maze, copies=copies, seed=(seed, 11))
+    wanderer, places, walls = Wanderer(body, ACTIONS, alone=True), Places.of(body), Walls(maze, copies)
+    model, stream = wanderer.forward_model(), wanderer.stream(body, np.random.default_rng([seed, 12]))
+    senses, done = body.reset(), 0
+    for budget in budgets:
+        while done < budget:
+            motors, felt = explore(body, stream, min(5000, budget - done), onward=senses)
+            model.observe(*wanderer.reading.transitions(*flat(motors, felt)))
+            walls.feel(places.number(felt[..., :2]), felt[..., 2:] > 0)
+            senses, done = felt[-1], done + len(motors)
+            report(done / budgets[-1])
+        yield Known(believed_tables(model), walls.lead)
+
+
+def replanners(
+    maze: Maze, goal: int, copies: int, budgets: Sequence[int], seed: int, first: int = 300, sweeps: int = 2
+) -> Iterator[Known]:
+    """What planners know who wander `first` steps and then walk by their own optimistic plan, trial after trial.
+
+    The plan is improved by a few sweeps of value iteration at every step, from where it was.
+    """
+    body = MazeBody(maze, copies=copies, seed=(seed, 13))
+    wanderer, places, walls = Wanderer(body, ACTIONS, alone=True), Places.of(body), Walls(maze, copies)
+    model, rng = wanderer.forward_model(), np.random.default_rng([seed, 14])
+    senses, value, row = body.reset(), np.zeros((copies, maze.cells)), np.arange(copies)
+    lead, transposed = walls.lead, believed_tables(model).transpose(0, 2, 1)
+    for step in range(1, budgets[-1] + 1):
+        cell = places.number(senses[:, :2])
+        if step > first:
+            for _ in range(sweeps):
+                to_go = 1 + value[row[:, None, None], lead] @ transposed
+                to_go[:, goal] = 0
+                value = to_go.min(-1)
+            action = to_go[row, cell].argmin(-1)
+        else:
+            action = rng.integers(0, len(ACTIONS), copies)
+        motors = action[:, None].astype(float)
+        after = body.act(motors)
+        model.observe(*wanderer.reading.transitions(senses, motors, after))
+        walls.feel(places.number(after[:, :2]), after[:, 2:] > 0)
+        body.put_back(body.cell == goal)
+        senses = body.feel()
+        if step % 10 == 0 or step == first:
+            lead, transposed = walls.lead, believed_tables(model).transpose(0, 2, 1)
+        if step in budgets:
+            yield Known(believed_tables(model), walls.lead)
+
+
+@dataclass(frozen=True, eq=False)
+class QLearners:
+    """Q-learning by many learners at once: (goals, settings, learners), each with its own walker and table."""
+
+    maze: Maze
+    goals: IntArray
+    """(G,) cells."""
+    learners: int
+    """How many per goal and setting."""
+    seed: int
+
+    def policies(self, budgets: Sequence[int]) -> Iterator[IntArray]:
+        """(G, settings, learners, S) greedy policies after each budget of steps; trials start over at the goal."""
+        shape = (len(self.goals), len(Q_SETTINGS), self.learners)
+        size = int(np.prod(shape))
+        goal = np.broadcast_to(self.goals[:, None, None], shape).reshape(size)
+
+        def spread(values: list[float]) -> FloatArray:
+            return np.broadcast_to(np.array(values, float)[None, :, None], shape).reshape(size).copy()
+
+        rate, epsilon = spread([s.rate for s in Q_SETTINGS]), spread([s.explore for s in Q_SETTINGS])
+        discount, cost = spread([s.discount for s in Q_SETTINGS]), spread([-float(s.optimistic) for s in Q_SETTINGS])
+        prize = 1 + cost  # +1 at the goal for those who pay nothing on the way
+        body, rng = MazeBody(self.maze, copies=size, seed=(self.seed, 15)), np.random.default_rng([self.seed, 16])
+        q = np.zeros((len(ACTIONS), size, self.maze.cells))  # actions first: reductions over them run along long rows
+        visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
+        exponent, longest = rate[decaying].copy(), 4 * self.maze.cells
+        row, age = np.arange(size), np.zeros(size, int)
+        body.reset()
+        cell = body.cell
+        for step in range(1, budgets[-1] + 1):
+            here = q[:, row, cell]
+            noise = rng.random((len(ACTIONS) + 1, size), dtype=np.float32)
+            best = np.where(here == here.max(0), noise[1:], -1.0).argmax(0)
+            action = np.where(noise[0] < epsilon, (noise[1] * len(ACTIONS)).astype(int), best)
+            there = body.move(action)
+            arrived = there == goal
+            target = np.where(arrived, prize + cost, cost + discount * q[:, row, there].max(0))
+            where = (action[decaying], row[decaying], cell[decaying])
+            visits[where] += 1
+            rate[decaying] = visits[where] ** exponent
+            q[action, row, cell] += rate * (target - here[action, row])
+            age += 1
+            over = arrived | (age >= longest)
+            if over.any():
+                body.put_back(over)
+                age[over] = 0
+            cell = body.cell
+            if step in budgets:
+                yield q.argmax(0).reshape(*shape, self.maze.cells)

@@ -1,0 +1,294 @@
+"""The chapter's maze (section 3.3): wander, watch, imitate, infer intent, with its figures 5, 6 and 7.
+
+The same forward model, Eq. (1) and Eq. (2) as for every other body; the maze is one more.
+"""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+from matplotlib.figure import Figure
+
+from babbling.axes import Axis, FloatArray
+from experiments.errors import ExperimentError
+from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
+from experiments.maze.learning import Curve, walkers
+from experiments.maze.mind import (
+    UNSEEN,
+    Experience,
+    Inferred,
+    believed_tables,
+    imitate,
+    infer,
+    teach,
+    walked,
+    watched,
+)
+from experiments.maze.recall import in_new_process, recall
+from experiments.maze.recording import record
+from experiments.shared.experiment import Result
+from experiments.shared.progress import progress
+from imitation.acting.follow import Journey
+from imitation.deferred import remember, save_memory
+from imitation.inference.intent import in_blocks
+from imitation.inference.priors import check_goal_prior, check_smoothing
+from imitation.inference.selection import selection_rule
+from models.maze import ACTIONS, TRUE_DYNAMICS, Maze, MazeBody, Walk, check_walk, default_maze, demonstrate, read_maze
+from models.maze.teacher import goal_place
+from models.maze.walk_file import read_walks, write_walks
+
+BLOCK = 8
+"""Steps that one point of Figure 7 (b) averages."""
+UNSEEN_STEPS = 85
+"""Length of the chapter's unseen walk."""
+UNSEEN_GOAL = 1
+MOST_STEPS, MOST_DEMONSTRATIONS, MOST_STUDIED_CELLS = 10_000_000, 1000, 2500
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate maze`."""
+
+    maze: Path | None = None
+    """Drawing of another maze (plain text; models/maze/default.txt shows how); the default is the chapter's."""
+    goal: int = 2
+    """Goal to imitate: 1, 2, 3, ..."""
+    selection: str = "map"
+    """How an action is chosen from its posterior: map or matching."""
+    goal_prior: str = ""
+    """P(goal) for intent inference, such as 0.5,0.25,0.25; by default one half for goal 1, the rest shared."""
+    demonstrations: int = 2
+    """Walks per goal that the teacher shows."""
+    wander_steps: int = 5000
+    """Random steps from which the forward model is learned; 0 leaves it uniform."""
+    smoothing: float = 0.1
+    """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
+    watch: Path | None = None
+    """Table of walks to watch instead of the teacher's (demonstrations.csv of a run shows how)."""
+    memory: Path | None = None
+    """Memory of an earlier run (memory.nc) to imitate from, instead of wandering and watching."""
+    deferred: bool = False
+    """Store what was felt and seen, and imitate from that file in a new process."""
+    study: bool = False
+    """Test the chapter's claims over many seeds (minutes)."""
+    seed: int = 0
+    """Seed of everything random."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder for the results; default runs/maze."""
+
+
+def run(config: Config) -> Result:
+    """Wander, watch, imitate, infer; see the module.
+
+    Raises:
+        BabblingError: options, a memory or a prior that cannot be used.
+        BodyError: a maze or a walk that cannot be used.
+    """
+    maze = default_maze() if config.maze is None else read_maze(config.maze)
+    goal_prior = _check(config, maze)
+    experience, walks, curve = _experience(config, maze)
+    missing = [g for g in range(1, len(maze.goals) + 1) if not experience.towards(g)]
+    if missing:
+        raise ExperimentError(f"nobody was watched going to goal {missing[0]}; every goal needs a demonstration")
+    memory = remember(experience.forward_model, experience.episodes)
+    if config.deferred:
+        with tempfile.TemporaryDirectory() as folder:
+            stored = Path(folder) / "memory.nc"
+            save_memory(memory, stored)
+            journey = in_new_process(stored, maze, config.goal, config.selection, config.seed)
+    else:
+        journey = imitate(experience, config.goal, config.selection, config.seed)
+    unseen = unseen_walk(maze, config.seed)
+    episode = watched(unseen, maze)
+    inferred = infer(experience.priors, episode, goal_prior, config.smoothing)
+    even = infer(experience.priors, episode, np.full(len(maze.goals), 1 / len(maze.goals)), config.smoothing)
+    metrics = _metrics(config, experience, walks, journey, inferred, even, curve)
+    summary = _summary(config, metrics)
+    figures: dict[str, Figure] = {
+        "figure_5": figure_5(
+            maze,
+            TRUE_DYNAMICS,
+            believed_tables(experience.forward_model)[0],
+            metrics["forward_model"]["counted_transitions"],
+        ),
+        "figure_6": figure_6(maze, experience.priors.action(), walks, journey, config.goal, config.selection),
+        "figure_7": figure_7(maze, unseen, inferred, even, goal_prior, BLOCK),
+    }
+    if curve is not None and curve.steps:
+        figures["learning_curve"] = learning_curve(curve)
+    if config.study:
+        from experiments.maze.study import study
+
+        with progress("study") as report:
+            found = study(maze, config.seed, config.demonstrations, config.wander_steps, config.smoothing, report)
+        metrics |= found.metrics
+        figures |= found.figures
+        summary += found.summary
+    files = {
+        "memory.nc": lambda path: save_memory(memory, path),
+        "demonstrations.csv": lambda path: write_walks(walks, path),
+        "unseen_walk.csv": lambda path: write_walks([unseen], path),
+    }
+    return Result(
+        metrics,
+        summary,
+        figures,
+        lambda path: record(
+            path, experience, walks, journey, config.goal, unseen, inferred, goal_prior, summary, figures
+        ),
+        files,
+    )
+
+
+def _check(config: Config, maze: Maze) -> FloatArray:
+    """Refuse options that cannot be meant; returns the goal prior."""
+    if config.seed < 0:
+        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
+    if not 0 <= config.wander_steps <= MOST_STEPS:
+        raise ExperimentError(f"--wander-steps {config.wander_steps}: 0 to {MOST_STEPS} steps are possible")
+    if not 1 <= config.demonstrations <= MOST_DEMONSTRATIONS:
+        raise ExperimentError(f"--demonstrations {config.demonstrations}: 1 to {MOST_DEMONSTRATIONS} are possible")
+    if config.study and maze.cells > MOST_STUDIED_CELLS:
+        raise ExperimentError(
+            f"--study: a maze of {maze.cells} cells; hundreds of learners fit into at most {MOST_STUDIED_CELLS}"
+        )
+    if config.memory is not None and config.watch is not None:
+        raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
+    goal_place(maze, config.goal)
+    check_smoothing(config.smoothing)
+    five = np.full((1, len(ACTIONS)), 1 / len(ACTIONS))  # a rule that refuses categories should do so before the work
+    selection_rule(config.selection)(five, Axis.categorical("action", ACTIONS), np.random.default_rng(0))
+    goals = len(maze.goals)
+    if not config.goal_prior:
+        return np.array([1.0]) if goals == 1 else np.array([0.5] + [0.5 / (goals - 1)] * (goals - 1))
+    try:
+        given = [float(word) for word in config.goal_prior.split(",")]
+    except ValueError:
+        raise ExperimentError(f"--goal-prior {config.goal_prior}: give numbers with commas, 0.5,0.25,0.25") from None
+    return check_goal_prior(given, goals)
+
+
+def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Curve | None]:
+    """Wander and watch, or remember."""
+    if config.memory is not None:
+        experience = recall(config.memory, maze)
+        walks = [walked(episode, maze) for episode in experience.episodes]
+        for number, walk in enumerate(walks, 1):
+            check_walk(maze, walk, f"{config.memory}, walk {number}")
+        return experience, walks, None
+        return experience, walks, None
+    if config.watch is not None:
+        walks = read_walks(config.watch, maze)
+    else:
+        walks = teach(maze, config.demonstrations, config.seed)
+    with progress("wandering") as report:
+        forward_model, curve = walkers(maze, config.wander_steps, config.seed, 1, report)
+    return Experience(maze, forward_model, tuple(watched(walk, maze) for walk in walks)), walks, curve
+
+
+def unseen_walk(maze: Maze, seed: int) -> Walk:
+    """The first of the teacher's further walks to goal 1 that takes 85 steps; where none does, the first."""
+    body = MazeBody(maze, copies=500, seed=[seed, UNSEEN])
+    walks = demonstrate(body, UNSEEN_GOAL, np.random.default_rng([seed, UNSEEN]))
+    return next((walk for walk in walks if walk.steps == UNSEEN_STEPS), walks[0])
+
+
+def _metrics(
+    config: Config,
+    experience: Experience,
+    walks: list[Walk],
+    journey: Journey,
+    inferred: Inferred,
+    even: Inferred,
+    curve: Curve | None,
+) -> dict[str, Any]:
+    model, decisions, goal = experience.forward_model, journey.decisions, config.goal
+    table = believed_tables(model)[0]
+    teacher = float(np.mean([walk.steps for walk in walks if walk.goal == goal]))
+    true_goal = UNSEEN_GOAL - 1
+    return {
+        "maze": {
+            "width": experience.maze.width,
+            "height": experience.maze.height,
+            "goals": experience.maze.goals,
+            "fingerprint": experience.maze.fingerprint,
+        },
+        "forward_model": {
+            "counted_transitions": model.transitions,
+            "uniform": model.transitions == 0,
+            "cells_away_from_walls": int((experience.maze.walls.sum(-1) == 0).sum()),
+            "untried_actions": int((model.visits == 0).sum()),
+            "table": table,
+            "truth": TRUE_DYNAMICS,
+            "total_variation": float(np.abs(table - TRUE_DYNAMICS).sum(-1).mean() / 2),
+        },
+        "learning_curve": None
+        if curve is None
+        else {"steps": curve.steps, "forward_model_tv": curve.tv, "forward_model_tv_bound": curve.bound},
+        "imitation": {
+            "goal": goal,
+            "selection": config.selection,
+            "reached": bool(journey.reached[0]),
+            "steps": int(journey.steps[0]),
+            "teacher_steps": teacher,
+            "step_ratio": float(journey.steps[0] / teacher),
+            "forward_model_alone_steps": int(decisions.forward_alone.sum()),
+            "chance_steps": int(decisions.chance.sum()),
+            "backtracking_steps": int(decisions.backtracking.sum()),
+            "states": journey.states[:, 0],
+        },
+        "intent": {
+            "goal": UNSEEN_GOAL,
+            "steps": len(inferred.by_step.probability),
+            "block": BLOCK,
+            "blocks": in_blocks(inferred.by_step.probability, BLOCK),
+            "blocks_uniform_goal_prior": in_blocks(even.by_step.probability, BLOCK),
+            "filter_blocks": in_blocks(inferred.filtered.probability, BLOCK),
+            "filter_end": inferred.filtered.probability[-1],
+            "filter_right_at_the_end": bool(inferred.filtered.probability[-1].argmax() == true_goal),
+            "right_steps": float((inferred.by_step.probability.argmax(1) == true_goal).mean()),
+            "uninformed_steps": inferred.by_step.uninformed_steps,
+            "filter_uninformed_steps": inferred.filtered.uninformed_steps,
+        },
+    }
+
+
+def _summary(config: Config, metrics: dict[str, Any]) -> str:
+    learned, imitation, intent = metrics["forward_model"], metrics["imitation"], metrics["intent"]
+    if config.memory is not None:
+        source = f"recalled from {config.memory.name}"
+    else:
+        source = f"{config.wander_steps} random steps"
+    if learned["uniform"]:
+        free = "" if learned["cells_away_from_walls"] else " (no cell of this maze is away from walls)"
+        verdict = f"**nothing was counted{free}: the forward model is uniform, it knows no action from another**"
+    else:
+        verdict = (
+            f"{learned['counted_transitions']} transitions counted away from walls; "
+            f"total variation from the truth {learned['total_variation']:.4f}"
+        )
+        if learned["untried_actions"]:
+            verdict += f"; {learned['untried_actions']} actions never tried there: taken as uniform"
+    arrived = "reached" if imitation["reached"] else "**not reached**"
+    belief = ", ".join(f"{p:.3f}" for p in intent["filter_end"])
+    steps = f"{arrived} in {imitation['steps']} steps; the teacher took {imitation['teacher_steps']:.1f}"
+    events = (
+        f"Eq. (1) was 0/0 and the forward model decided alone: {imitation['forward_model_alone_steps']}; "
+        f"chance: {imitation['chance_steps']}; backtracking: {imitation['backtracking_steps']}"
+    )
+    right = (
+        f"right in {100 * intent['right_steps']:.0f} % of steps judged one by one "
+        f"({intent['uninformed_steps']} were 0/0); the filter ends at {belief}"
+    )
+    return f"""# Maze: wander, watch, imitate, infer
+
+| | |
+|---|---|
+| forward model | {source}: {verdict} |
+| imitation of goal {imitation["goal"]}, {imitation["selection"]} | {steps} (ratio {imitation["step_ratio"]:.2f}) |
+| events on the way | {events} |
+| intent, unseen walk of {intent["steps"]} steps to goal {intent["goal"]} | {right} |
+"""

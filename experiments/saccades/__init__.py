@@ -1,0 +1,1 @@
+"""A head looks about and learns to look."""

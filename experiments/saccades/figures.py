@@ -1,0 +1,123 @@
+"""Figures of oculomotor babbling: what was learned, how well it predicts, how well it looks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from babbling.sight import LookingMind
+
+if TYPE_CHECKING:
+    from experiments.saccades.run import Curve
+    from experiments.saccades.trials import Fixated, Predicted
+
+FloatArray = NDArray[np.float64]
+TABLE, COPY = "#d9541e", "#4c72b0"
+
+
+def figures(
+    mind: LookingMind, trials: Predicted, guess: FloatArray, fixated: Fixated, curve: Curve
+) -> dict[str, Figure]:
+    """All of them, by file stem."""
+    return {
+        "prediction": prediction(mind, trials, guess),
+        "fixation": fixation(mind, fixated),
+        "learning_curve": learning_curve(curve),
+        "forward_model": forward_model(mind),
+    }
+
+
+def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figure:
+    """Where things went and where they were expected; the errors' distribution."""
+    half = mind.pilot.retina.half
+    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    field, errors = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    seen = np.flatnonzero(np.isfinite(trials.before[:, 0] + trials.after[:, 0]))[:60]
+    for i in seen:
+        (u, v), (x, y) = trials.before[i, :2], trials.after[i, :2]
+        field.annotate("", (x, y), (u, v), arrowprops={"arrowstyle": "-", "color": "0.8", "lw": 0.8})
+    field.plot(*trials.before[seen, :2].T, "o", color="0.7", ms=3, label="before")
+    field.plot(*trials.after[seen, :2].T, "o", color="k", ms=5, mfc="none", label="after the saccade")
+    field.plot(*guess[seen, :2].T, "x", color=TABLE, ms=5, label="expected")
+    field.set(xlim=(-half[0], half[0]), ylim=(half[1], -half[1]), aspect="equal")
+    field.set(xlabel="u from the middle [px]", ylabel="v from the middle [px]", title="unseen saccades, left eye")
+    field.legend(loc="upper center", ncols=3, fontsize=8, bbox_to_anchor=(0.5, -0.14), frameon=False)
+    bins = np.geomspace(0.01, 10, 50)
+    peer = trials.error(mind.sight.expect(trials.before, trials.posture, trials.change, table=False))
+    for values, colour, name in ((trials.error(guess), TABLE, "forward model"), (peer, COPY, "efference copy alone")):
+        errors.hist(values, bins, histtype="step", color=colour, lw=1.8, label=f"{name}: {values.mean():.3f} px")
+        errors.axvline(values.mean(), color=colour, lw=1, ls=":")
+    errors.axvline(0.5, color="0.5", lw=1, ls="--")
+    errors.annotate("0.5 px", (0.5, 1.0), xycoords=("data", "axes fraction"), xytext=(4, 2), va="bottom",
+                    textcoords="offset points", fontsize=8, color="0.4")  # fmt: skip
+    errors.set(xscale="log", xlabel="error of the expected position [px]", ylabel="sightings")
+    errors.legend(fontsize=9, frameon=False, loc="upper left")
+    return figure
+
+
+def fixation(mind: LookingMind, fixated: Fixated) -> Figure:
+    """Where trials began and where things stood after one saccade; shares within so many pixels."""
+    half = mind.pilot.retina.half
+    figure = Figure(figsize=(11, 4.4), layout="constrained")
+    field, share = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    reached = np.minimum(fixated.once, 3.0)
+    dots = field.scatter(*fixated.start.T, c=reached, s=14, cmap="viridis", vmin=0, vmax=max(0.5, reached.max()))
+    figure.colorbar(dots, ax=field, label="px from the middle after one saccade", shrink=0.85)
+    field.plot(0, 0, "+", color="k", ms=12)
+    field.set(xlim=(-half[0], half[0]), ylim=(half[1], -half[1]), aspect="equal")
+    field.set(xlabel="u [px]", ylabel="v [px]", title=f"where {len(reached)} things were when they drew the eye")
+    for values, colour, name in ((fixated.once, TABLE, "one saccade"), (fixated.twice, COPY, "two saccades")):
+        share.step(np.sort(values), 100 * np.arange(1, len(values) + 1) / len(values), color=colour, label=name)
+    share.axvline(1.5, color="0.5", ls="--", lw=1)
+    share.set(xlim=(0, 2), ylim=(0, 101), xlabel="px from the middle", ylabel="% of trials", title="fixated within")
+    share.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def learning_curve(curve: Curve) -> Figure:
+    """Prediction error against body-minutes."""
+    figure = Figure(figsize=(6, 3.8), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(curve.minutes, curve.table_px, "o-", color=TABLE, label="forward model")
+    axes.plot(
+        curve.minutes, curve.line_px, "s--", color=COPY, ms=4, label="efference copy alone (least squares of the pilot)"
+    )
+    axes.set(xlabel="body-minutes (pilot included)", ylabel="error after an unseen saccade [px]", ylim=(0, None))
+    axes.legend(frameon=False)
+    return figure
+
+
+def forward_model(mind: LookingMind) -> Figure:
+    """What babbling taught: displacement fields of a pan and a tilt saccade, and what the table adds to the copy."""
+    half = mind.pilot.retina.half
+    figure = Figure(figsize=(12, 7), layout="constrained")
+    axes = figure.subplots(2, 2)
+    u, v = np.meshgrid(np.linspace(-0.85, 0.85, 9) * half[0], np.linspace(-0.85, 0.85, 7) * half[1])
+    things = np.stack([u.ravel(), v.ravel()] * 2, axis=-1)
+    for row, (motor, name) in enumerate((("0", "pan"), ("1", "tilt"))):
+        change = np.zeros((len(things), 2))
+        change[:, row] = np.deg2rad((10.0, 8.0)[row])
+        posture = np.zeros((len(things), 2))
+        posture[:, 1 - row] = 0.3 if row == 0 else 0.0
+        whole = mind.sight.expect(things, posture, change)[:, :2] - things[:, :2]
+        copy = mind.sight.expect(things, posture, change, table=False)[:, :2] - things[:, :2]
+        for column, (field, scale, title) in enumerate(
+            ((whole, 1.0, "displacement"), (whole - copy, None, "the table's share"))
+        ):
+            shown = axes[row, column]
+            size = float(np.hypot(*field.T).max())
+            factor = 1.0 if scale else 0.02
+            shown.quiver(
+                *things[:, :2].T, *field.T, angles="xy", scale_units="xy", scale=factor, width=0.003,
+                color="k" if column == 0 else TABLE,
+            )  # fmt: skip
+            where = f"motor {motor} ({name}) by {np.rad2deg(change[0, row]):.0f} deg"
+            where += f", tilt at {np.rad2deg(0.3):.0f} deg" if row == 0 else ""
+            note = "" if column == 0 else f" (x 50, at most {size:.2f} px)"
+            shown.set(title=f"{where}: {title}{note}", xlabel="u [px]", ylabel="v [px]", aspect="equal")
+            shown.title.set_fontsize(10)
+            shown.set(xlim=(-1.15 * half[0], 1.15 * half[0]), ylim=(1.15 * half[1], -1.15 * half[1]))
+    return figure

@@ -1,0 +1,240 @@
+"""A head looks about at random and learns what its movements do to what it sees; then it looks where it wants to."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.looking_storage import save_looking
+from babbling.reading import Transitions
+from babbling.sight import LookingMind
+from experiments.errors import ExperimentError
+from experiments.saccades.trials import (
+    Predicted,
+    copied,
+    expected,
+    fixate,
+    least_squares,
+    straight_lines,
+    unseen_saccades,
+    within_reach,
+)
+from experiments.shared.experiment import Result
+from experiments.shared.eyes import COPIES, TOYS, EyeOptions, learn_to_look, nursery, toy_places
+from experiments.shared.progress import progress
+from imitation.gaze.fixation import Fixation, Saccade
+from models.heads import head_facts
+from models.onlooker import onlook
+
+FloatArray = NDArray[np.float64]
+
+ONCE_PX, TWICE_PX = 1.5, 1.5
+"""Pixels from the middle within which a thing counts as fixated after one saccade, after two."""
+TEST_SACCADES, STUDY_SACCADES = 10, 40
+"""Unseen saccades of each head for the prediction's error."""
+TEST_ROUNDS, STUDY_ROUNDS = 4, 25
+"""Fixations of each head."""
+CURVE_POINTS = 12
+ENOUGH = 2
+"""Visits after which a toy is no news."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """Options of `imitate saccades`."""
+
+    robot: str = "biclops"
+    """biclops or hoap2."""
+    babbling_minutes: float = 30.0
+    """Body-minutes of random saccades, over all heads; the pilot's come on top."""
+    width: int = 160
+    """Pixels of each retina, across."""
+    height: int = 120
+    """Pixels of each retina, down."""
+    noise: float = 0.02
+    """Pixel noise, standard deviation as a share of full scale."""
+    blur: float = 0.0
+    """Standard deviation of a blur, pixels."""
+    fovy_deg: float | None = None
+    """Vertical field of view; None is the robot's own."""
+    renderer: str = "rays"
+    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
+    selection: str = "mean"
+    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
+    study: bool = False
+    """Many trials instead of a few."""
+    seed: int = 0
+    """Seed of everything random."""
+    out: Path | None = None
+    """Folder of the results (runs/saccades)."""
+
+    @property
+    def eyes(self) -> EyeOptions:
+        """How the eyes see."""
+        return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
+
+
+class Glance(NamedTuple):
+    """One view of the recording."""
+
+    images: tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    found: FloatArray
+    """(K, 4) pixels."""
+    predicted: FloatArray
+    """(K, 4) pixels, where each thing was expected to be."""
+    angles: FloatArray
+    """(2,) true pan and tilt."""
+    target: int
+    """Which toy is looked for; -1 for none."""
+    event: str
+
+
+class Curve(NamedTuple):
+    """Prediction error against body-minutes."""
+
+    minutes: list[float]
+    table_px: list[float]
+    line_px: list[float]
+
+
+def run(config: Config) -> Result:
+    """Babble with the eyes, then judge."""
+    return babble_eyes(
+        config.eyes, config.babbling_minutes, selection=config.selection, study=config.study, seed=config.seed
+    )
+
+
+def babble_eyes(
+    eyes: EyeOptions, minutes: float, *, selection: str = "mean", study: bool = False, seed: int = 0
+) -> Result:
+    """Oculomotor babbling and its figures; the learned eyes are the file `eyes.nc` of the result.
+
+    Raises:
+        ExperimentError, BodyError, BabblingError: options that cannot be meant.
+    """
+    if seed < 0:
+        raise ExperimentError(f"--seed {seed}: seeds are whole numbers from 0")
+    head_facts(eyes.robot)
+    body, other = nursery(eyes, seed), nursery(eyes, seed + 1000)
+    start = time.perf_counter()
+    other.reset()
+    rounds, tests = (STUDY_ROUNDS, STUDY_SACCADES) if study else (TEST_ROUNDS, TEST_SACCADES)
+    curve = Curve([], [], [])
+    with progress("looking about") as report:
+        unseen: Predicted | None = None
+        marks = np.linspace(0, 1, CURVE_POINTS + 1)[1:]
+
+        def learned(done: float, mind: LookingMind) -> None:
+            nonlocal unseen
+            report(0.8 * done)
+            if unseen is None:
+                unseen = unseen_saccades(mind, other, tests, seed)
+            if done >= marks[len(curve.minutes)] - 1e-9 or not curve.minutes:
+                curve.minutes.append(mind.minutes + mind.pilot.minutes)
+                curve.table_px.append(float(unseen.error(expected(mind, unseen)).mean()))
+                curve.line_px.append(float(unseen.error(copied(mind, unseen)).mean()))
+
+        notes: list[Transitions] = []
+        mind = learn_to_look(body, minutes, seed, learned, notes)
+        babble_s = time.perf_counter() - start
+        assert unseen is not None
+        speed = body.images_per_second()
+        fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
+    glances = tour(mind, eyes, selection, seed)
+    table, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
+    straight = unseen.error(straight_lines(mind, body, unseen, seed))
+    metrics: dict[str, Any] = {
+        "robot": eyes.robot,
+        "babbling_body_minutes": mind.minutes,
+        "pilot_body_minutes": mind.pilot.minutes,
+        "babbling_transitions": mind.forward_model.transitions,
+        "babbling_left_out": int(mind.forward_model.outside.sum()),
+        "babbling_wall_s": babble_s,
+        "saccade_trials": len(table),
+        "saccade_prediction_px": float(table.mean()),
+        "saccade_prediction_median_px": float(np.median(table)),
+        "saccade_prediction_p95_px": float(np.quantile(table, 0.95)),
+        "saccade_prediction_least_squares_px": float(unseen.error(least_squares(mind, notes, unseen)).mean()),
+        "saccade_prediction_efference_copy_px": float(copy.mean()),
+        "saccade_prediction_straight_line_px": float(straight.mean()),
+        "fixation_trials": len(fixated.once),
+        "fixation_1_rate": float((fixated.once <= ONCE_PX).mean()),
+        "fixation_2_rate": float((fixated.twice <= TWICE_PX).mean()),
+        "fixation_1_px": float(np.mean(fixated.once[np.isfinite(fixated.once)])),
+        "fixation_2_px": float(np.mean(fixated.twice[np.isfinite(fixated.twice)])),
+        "fixation_uninformed": fixated.uninformed,
+        "learning_curve_minutes": curve.minutes,
+        "learning_curve_table_px": curve.table_px,
+        "learning_curve_efference_copy_px": curve.line_px,
+        "retina_images_per_s": speed,
+    }
+    from experiments.saccades.figures import figures
+    from experiments.saccades.recording import record
+
+    summary, name = _summary(metrics), f"{eyes.robot} looks about, seed {seed}"
+    toys = {toy: places[0] for toy, places in zip(TOYS, toy_places(1, seed), strict=True)}
+    seen = onlook(body.model, eyes.robot, np.stack([g.angles for g in glances]), None, toys)
+    return Result(
+        metrics,
+        summary,
+        figures(mind, unseen, expected(mind, unseen), fixated, curve),
+        lambda path: record(path, seen, head_facts(eyes.robot).table, glances, summary, name),
+        {"eyes.nc": lambda path: save_looking(mind, path, robot=eyes.robot, seed=seed)},
+    )
+
+
+def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 18) -> list[Glance]:
+    """One head looks at one toy after the other: what the recording shows."""
+    body = nursery(eyes, seed, copies=1)
+    fixation = Fixation(mind.sight, mind.pilot.reach, selection)
+    rng = np.random.default_rng([seed, 79])
+    efference, retina, reach = mind.pilot.efference, mind.pilot.retina, mind.pilot.reach
+    senses = body.reset()
+    glances: list[Glance] = []
+    visits = np.zeros(body.things, int)
+    last = -1
+    nothing = np.full((body.things, 4), np.nan)
+    centre = retina.centre
+    things = retina.things(senses)[0]
+    glances.append(Glance(body.images[0], things + centre, nothing, body.joint_angles[0].copy(), -1, "at rest"))
+    for _ in range(looks):
+        possible = np.flatnonzero(within_reach(mind, things, senses[0, :2]) & (np.arange(len(things)) != last))
+        if len(possible) and visits[possible].min() < ENOUGH:
+            least = possible[visits[possible] == visits[possible].min()]
+            last = int(rng.choice(least))
+            visits[last] += 1
+            saccade: Saccade = fixation.choose(things[None, last], senses[:, :2], rng)
+            change, event = saccade.change, f"look at {TOYS[last]}"
+        else:
+            elsewhere = reach.low + (reach.high - reach.low) * rng.random((1, 2))
+            change, event, last = elsewhere - senses[:, :2], "nothing new in view: looks elsewhere", -1
+        expected = mind.sight.expect(
+            things, np.repeat(senses[:, :2], len(things), 0), np.repeat(change, len(things), 0)
+        )
+        senses = body.act(efference.motors(senses[:, :2] + change))
+        things = retina.things(senses)[0]
+        glances.append(
+            Glance(body.images[0], things + centre, expected + centre, body.joint_angles[0].copy(), last, event)
+        )
+    return glances
+
+
+def _summary(metrics: dict[str, Any]) -> str:
+    rows = [
+        ("looked about", f"{metrics['babbling_body_minutes']:.1f} + {metrics['pilot_body_minutes']:.1f} body-minutes "
+                         f"(pilot), {metrics['babbling_transitions']:,} sightings counted, {COPIES} heads"),
+        ("where a thing will be after an unseen saccade", f"off by {metrics['saccade_prediction_px']:.3f} px on "
+         f"average ({metrics['saccade_trials']} sightings; 95 % within {metrics['saccade_prediction_p95_px']:.2f})"),
+        ("least squares (cubic) / a straight line", f"{metrics['saccade_prediction_least_squares_px']:.3f} / "
+                                                    f"{metrics['saccade_prediction_straight_line_px']:.3f} px"),
+        ("fixated by one saccade / by two", f"{100 * metrics['fixation_1_rate']:.1f} / "
+         f"{100 * metrics['fixation_2_rate']:.1f} % of {metrics['fixation_trials']} within {ONCE_PX} px"),
+        ("on average", f"{metrics['fixation_1_px']:.3f} / {metrics['fixation_2_px']:.3f} px from the middle; "
+                       f"Eq. (1) was 0/0 {metrics['fixation_uninformed']} times"),
+        ("retina", f"{metrics['retina_images_per_s']:.0f} images a second of one core"),
+    ]  # fmt: skip
+    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+    return f"# {metrics['robot']} looks about\n\n{table}\n"

@@ -1,0 +1,159 @@
+"""Trials of looking: unseen saccades to predict, things to fixate."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.looking import Looking, copy_terms, saccades
+from babbling.loop import explore, flat
+from babbling.reading import Transitions
+from babbling.sight import LookingMind, Sight
+from imitation.gaze.fixation import Fixation
+from models.seeing_body import SeeingBody
+
+FloatArray = NDArray[np.float64]
+
+CENTRAL = 0.8
+"""Share of the field, along each side, in which things are to be fixated."""
+
+
+class Predicted(NamedTuple):
+    """Unseen saccades of both motors: one row for each thing seen wholly before and after."""
+
+    before: FloatArray
+    """(N, 4) pixels from the middle, left and right eye."""
+    after: FloatArray
+    """(N, 4) where it was found afterwards."""
+    posture: FloatArray
+    """(N, 2) rad."""
+    change: FloatArray
+    """(N, 2) rad."""
+
+    def error(self, guess: FloatArray) -> FloatArray:
+        """(2 N) pixels between a guess (N, 4) and the truth, each eye by itself, where it saw the thing."""
+        away = np.hypot(guess[:, 0::2] - self.after[:, 0::2], guess[:, 1::2] - self.after[:, 1::2])
+        return away[np.isfinite(away)]
+
+
+class Fixated(NamedTuple):
+    """Trials of looking at something: pixels from the middle of the left eye, before and after one and two saccades."""
+
+    start: FloatArray
+    """(N, 2)"""
+    once: FloatArray
+    """(N,)"""
+    twice: FloatArray
+    """(N,)"""
+    uninformed: int
+
+
+def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) -> Predicted:
+    """Saccades of both motors at once among toys that were never looked at."""
+    stream = saccades(
+        mind.pilot.reach, mind.pilot.efference, body.copies, np.random.default_rng([seed, 77]), together=True
+    )
+    before, motors, after = flat(*explore(body, stream, count))
+    was, now = (mind.pilot.retina.things(s) for s in (before, after))
+    posture = before[:, mind.pilot.efference.posture]
+    change = mind.pilot.efference.postures(motors) - posture
+    things = was.shape[1]
+    rows = Predicted(
+        was.reshape(-1, 4),
+        now.reshape(-1, 4),
+        np.repeat(posture, things, axis=0),
+        np.repeat(change, things, axis=0),
+    )
+    seen = np.isfinite(rows.before + rows.after)
+    keep = seen[:, :2].all(1) | seen[:, 2:].all(1)
+    return Predicted(*(part[keep] for part in rows))
+
+
+def expected(mind: LookingMind, trials: Predicted) -> FloatArray:
+    """(N, 4) where the forward model expects things after a trial's saccade."""
+    return mind.sight.expect(trials.before, trials.posture, trials.change)
+
+
+def copied(mind: LookingMind, trials: Predicted) -> FloatArray:
+    """The least-squares peer: the efference copy's account alone, chained in the same way."""
+    return mind.sight.expect(trials.before, trials.posture, trials.change, table=False)
+
+
+def least_squares(mind: LookingMind, notes: list[Transitions], trials: Predicted) -> FloatArray:
+    """The peer: least squares of the efference copy's terms on the very experience that the table counted, chained."""
+    reading = mind.reading
+    parts = [np.concatenate([note.outcome for note in notes]), np.concatenate([note.action for note in notes])]
+    context = [np.concatenate([note.context[i] for note in notes]) for i in range(3)]
+    line = np.empty_like(reading.line)
+    for f in range(len(line)):
+        use = np.isfinite(parts[0][:, f]) & np.isfinite(context[0][:, f])
+        inside = tuple(c[use, f] for c in context)
+        x = copy_terms(parts[1][use, f], *(c / s for c, s in zip(inside, reading.scale[1:], strict=True)))
+        moved = parts[0][use, f] + reading.straight_of(f, inside, parts[1][use, f])
+        line[f] = np.linalg.lstsq(x, moved, rcond=None)[0]
+    peer = Sight(Looking(reading.retina, reading.efference, line), mind.forward_model)
+    return peer.expect(trials.before, trials.posture, trials.change, table=False)
+
+
+def straight_lines(mind: LookingMind, body: SeeingBody, trials: Predicted, seed: int) -> FloatArray:
+    """One straight line for each image coordinate, fitted to other saccades of both motors: the plainest peer."""
+    fit = unseen_saccades(mind, body, 10, seed + 1)
+    guess = np.full_like(trials.before, np.nan)
+    for c in range(4):
+        eye = slice(2 * (c // 2), 2 * (c // 2) + 2)
+        use = np.isfinite(fit.before[:, eye].sum(1) + fit.after[:, c])
+        inputs = [
+            np.column_stack([np.ones(len(t.before)), t.before[:, eye], t.posture, t.change]) for t in (fit, trials)
+        ]
+        line = np.linalg.lstsq(inputs[0][use], (fit.after - fit.before)[use, c], rcond=None)[0]
+        guess[:, c] = trials.before[:, c] + inputs[1] @ line
+    return guess
+
+
+def fixate(
+    mind: LookingMind,
+    body: SeeingBody,
+    rounds: int,
+    selection: str,
+    seed: int,
+    report: Callable[[float], None] = lambda done: None,
+) -> Fixated:
+    """Look at toys seen anywhere in the central part of the left eye's field: one saccade, and a second."""
+    fixation = Fixation(mind.sight, mind.pilot.reach, selection)
+    rng = np.random.default_rng([seed, 78])
+    reach, efference, retina = mind.pilot.reach, mind.pilot.efference, mind.pilot.retina
+    starts, errors, uninformed = [], [], 0
+    copies = np.arange(body.copies)
+    for round_ in range(rounds):
+        body.reset()
+        middle = (reach.low + reach.high) / 2
+        posture = middle + (reach.high - reach.low) / 2 * 0.4 * (2 * rng.random((body.copies, 2)) - 1)
+        senses = body.act(efference.motors(posture))
+        things = retina.things(senses)
+        target = np.full(body.copies, -1)
+        for copy in copies:
+            central = np.abs(things[copy, :, :2]) < CENTRAL * retina.half[:2]
+            possible = np.flatnonzero(central.all(1) & within_reach(mind, things[copy], senses[copy, :2]))
+            if len(possible):
+                target[copy] = rng.choice(possible)
+        tried = target >= 0
+        starts.append(things[copies, target, :2][tried])
+        for _ in range(2):
+            thing = things[copies, target]
+            saccade = fixation.choose(np.nan_to_num(thing), senses[:, :2], rng)
+            uninformed += int(saccade.uninformed[tried].sum())
+            senses = body.act(efference.motors(senses[:, :2] + saccade.change))
+            things = retina.things(senses)
+            away = np.hypot(*things[copies, target, :2].T)
+            errors.append(np.where(np.isfinite(away), away, np.inf)[tried])
+        report((round_ + 1) / rounds)
+    return Fixated(np.concatenate(starts), np.concatenate(errors[0::2]), np.concatenate(errors[1::2]), uninformed)
+
+
+def within_reach(mind: LookingMind, things: FloatArray, posture: FloatArray) -> NDArray[np.bool_]:
+    """(K,) whether a thing can be looked at at all: the saccade there ends at a posture within reach."""
+    per_px = 1.0 / mind.pilot.line[[0, 5], 0]
+    goal = posture - np.nan_to_num(things[:, :2]) * per_px
+    inside = (goal > mind.pilot.reach.low) & (goal < mind.pilot.reach.high)
+    return np.asarray(inside.all(1) & np.isfinite(things[:, 0]))

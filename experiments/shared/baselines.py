@@ -1,0 +1,40 @@
+"""What a practical person would try first: send the demonstrated angles to the servos."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from imitation.acting.movement import approach
+from models.body import SimulatedBody
+
+
+def direct_replay(body: SimulatedBody, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, J) joint angles reached when the next demonstrated angles (T, J) are commanded at every tick."""
+    return replay_commands(body, angles, lambda whole: np.concatenate([whole[1:], 2 * whole[-1:] - whole[-2:-1]]))
+
+
+def replay_commands(
+    body: SimulatedBody,
+    angles: NDArray[np.float64],
+    commands_for: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """(T, J) joint angles reached by commands computed beforehand, without looking.
+
+    It is told the wiring, and comes into the movement by the same approach as the imitator; `commands_for` sees the
+    approach and the movement, (N, J), and gives the command to hold during each of those ticks.
+    """
+    body.reset()
+    way = approach(body.joint_angles[0], angles, body.tick_s)
+    commands = commands_for(np.concatenate([way, angles]))
+    reached = np.empty_like(angles)
+    for t, command in enumerate(commands):
+        if t >= len(way):
+            reached[t - len(way)] = body.joint_angles[0]
+        body.act(np.tile(body.command_angles(command), (body.copies, 1)))
+    return reached
+
+
+def rmse_deg(reached: NDArray[np.float64], wanted: NDArray[np.float64]) -> float:
+    """Root mean square over all frames and joints, degrees."""
+    return float(np.rad2deg(np.sqrt(np.mean((reached - wanted) ** 2))))

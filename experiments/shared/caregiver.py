@@ -1,0 +1,187 @@
+"""A caregiver opposite: the lesson in which it mirrors the imitator, and the watching of what it does."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments.shared.eyes import REST, EyeOptions, reach_of
+from imitation.seeing.finding import Measurer
+from imitation.seeing.pose import Appearance
+from models.biclops.room import Ball
+from models.heads import CARD, EYE_HEIGHT, PARKED, stage
+from models.retina import Image
+from models.seeing_body import SeeingBody
+
+FloatArray = NDArray[np.float64]
+
+FACE = ("red", "blue", "green", "yellow", "magenta")
+"""Colours of nose, left eye, right eye, left ear, right ear."""
+NUMBERS = 3
+"""u, v and area of each feature in each eye."""
+FRAME_S = 0.04
+"""s between images: 25 a second."""
+LESSON_PAN, LESSON_TILT = 0.62, 0.40
+"""rad: postures that are mirrored."""
+TURN_S = 1.4
+CARE_DEG = 0.2
+"""Standard deviation of how exactly a caregiver repeats a posture."""
+LEAST_FACE = 3
+"""Features in the left eye that make a face."""
+SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0)
+"""Where to look for a face when there is none where one happens to look."""
+
+
+def group() -> NDArray[np.int64]:
+    """(M,) which sighting (feature and eye) each number belongs to."""
+    return np.repeat(np.arange(2 * len(FACE)), NUMBERS)
+
+
+def opposite(
+    eyes: EyeOptions,
+    copies: int,
+    seed: int,
+    *,
+    distance: float,
+    tick_s: float,
+    balls: tuple[Ball, ...] = (),
+    teacher: bool = True,
+    colours: tuple[str, ...] = FACE,
+) -> SeeingBody:
+    """Heads with a teacher before them."""
+    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=True).compile()
+    return SeeingBody(
+        model,
+        eyes.robot,
+        Measurer(colours),
+        len(colours),
+        numbers=NUMBERS,
+        retina=eyes.retina,
+        renderer=eyes.renderer,
+        copies=copies,
+        tick_s=tick_s,
+        seed=seed,
+        rest=REST[eyes.robot],
+    )
+
+
+def face_numbers(senses: FloatArray) -> FloatArray:
+    """(..., S) senses to (..., M) numbers of the face."""
+    return senses[..., 2 : 2 + 2 * NUMBERS * len(FACE)]
+
+
+def lesson(
+    eyes: EyeOptions, count: int, seed: int, distance: float, report: Callable[[float], None] = lambda done: None
+) -> Appearance:
+    """Taking turns: the imitator takes a posture and looks back, the caregiver repeats it and is looked at."""
+    copies = 16
+    body = opposite(eyes, copies, seed, distance=distance, tick_s=TURN_S)
+    rng = np.random.default_rng([seed, 0x1E5])
+    reach = reach_of(eyes.robot)
+    low = np.maximum([-LESSON_PAN, -LESSON_TILT], reach.low)
+    high = np.minimum([LESSON_PAN, LESSON_TILT], reach.high)
+    body.reset()
+    rest = body.command_angles(np.tile(body.rest, (copies, 1)))
+    postures, seen = [], []
+    rounds = -(-count // copies)
+    for turn in range(rounds):
+        wanted = low + (high - low) * rng.random((copies, 2))
+        felt = body.act(body.command_angles(wanted), look=False)[:, :2]
+        shown = felt + np.deg2rad(CARE_DEG) * rng.standard_normal((copies, 2))
+        body.teacher_path = lambda t, shown=shown: shown  # type: ignore[misc]
+        senses = body.act(rest)
+        postures.append(felt)
+        seen.append(face_numbers(senses))
+        report((turn + 1) / rounds)
+    return Appearance.learned(np.concatenate(postures), np.concatenate(seen), group())
+
+
+@dataclass(frozen=True)
+class Occlusion:
+    """A card that passes before the face."""
+
+    start_s: float
+    hidden_s: float
+    distance: float
+    """m of the card from the imitator."""
+
+    def place(self, t: float) -> tuple[float, float, float]:
+        """Where the card is at time t, in the table's frame: it slides in within 0.1 s, stays, slides on."""
+        before, after = self.start_s - 0.1, self.start_s + self.hidden_s + 0.1
+        if not before < t < after or self.hidden_s <= 0:
+            return PARKED
+        slide = np.clip((self.start_s - t) / 0.1, 0, 1) - np.clip((t - self.start_s - self.hidden_s) / 0.1, 0, 1)
+        return self.distance, float(0.36 * slide), EYE_HEIGHT + 0.02
+
+
+class Sequences(NamedTuple):
+    """What B imitators saw, T ticks of 20 ms."""
+
+    numbers: FloatArray
+    """(T, B, M) NaN on ticks without an image."""
+    truth: FloatArray
+    """(T, B, 2) the teacher's true angles; NaN on ticks without an image."""
+    images: list[tuple[Image, Image]]
+    """Copy 0's, one for each frame."""
+    hidden: NDArray[np.bool_]
+    """(T, B) whether the card was there."""
+
+
+def watch_teacher(
+    body: SeeingBody,
+    paths: list[FloatArray],
+    occlusions: list[Occlusion] | None,
+    report: Callable[[float], None] = lambda done: None,
+) -> Sequences:
+    """Every copy watches its own teacher perform one of the (T_b, 2) paths of 20 ms ticks; the shorter ones wait."""
+    longest = max(map(len, paths))
+    longest += longest % 2
+    padded = np.stack([np.pad(p, ((0, longest - len(p)), (0, 0)), mode="edge") for p in paths], axis=1)
+    inner = round(body.tick_s / 0.02)
+    body.teacher_path = lambda t: padded[min(round(t / 0.02), longest - 1)]
+    senses = body.reset()
+    rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
+    width = face_numbers(senses).shape[1]
+    numbers, truth = np.full((longest, body.copies, width), np.nan), np.full((longest, body.copies, 2), np.nan)
+    hidden, images = np.zeros((longest, body.copies), bool), []
+    for tick in range(0, longest, inner):
+        if tick:
+            for_cards = [o.place(tick * 0.02) for o in occlusions] if occlusions else [PARKED] * body.copies
+            body.place(CARD, np.array(for_cards))
+            hidden[tick : tick + inner] = [place != PARKED for place in for_cards]
+            senses = body.act(rest)
+        numbers[tick], truth[tick] = face_numbers(senses), body.teacher_angles
+        images.append(body.images[0])
+        report((tick + 1) / longest)
+    body.place(CARD, np.array(PARKED))
+    return Sequences(numbers, truth, images, hidden)
+
+
+class Search(NamedTuple):
+    """How a face was looked for."""
+
+    found: bool
+    seconds: float
+    looks: int
+    images: list[tuple[Image, Image]]
+    pans: list[float]
+    """rad, where each look went."""
+
+
+def search(body: SeeingBody, start_pan: float, patience_s: float) -> Search:
+    """Look for a face, first where one looks anyway; gives up after `patience_s` of looking elsewhere."""
+    images, pans, clock = [], [], 0.0
+    for pan in dict.fromkeys([start_pan, *np.deg2rad(SEARCH_PAN_DEG)]):
+        if clock > 0 and clock + body.tick_s > patience_s:
+            break
+        goal = np.tile(body.rest + np.array([pan, 0.0]), (body.copies, 1))
+        senses = body.act(body.command_angles(goal))
+        images.append(body.images[0])
+        pans.append(float(body.joint_angles[0, 0]))
+        seen = np.isfinite(face_numbers(senses)[0].reshape(len(FACE), 2, NUMBERS)[:, 0, 0]).sum()
+        if seen >= LEAST_FACE:
+            return Search(True, clock, len(pans), images, pans)
+        clock += body.tick_s
+    return Search(False, clock, len(pans), images, pans)

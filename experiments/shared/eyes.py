@@ -1,0 +1,157 @@
+"""Eyes, toys and minds: what the experiments with a seeing head share."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.forward_model import ForwardModel
+from babbling.looking import LookingPilot, Reach, pilot_looking
+from babbling.loop import BOUT_TICKS, babble
+from babbling.reading import Transitions
+from babbling.sight import LookingMind
+from experiments.errors import ExperimentError
+from imitation.seeing.features import COLOURS
+from imitation.seeing.finding import Finder
+from models.biclops.room import Ball
+from models.heads import EYE_HEIGHT, clear_away, stage
+from models.retina import RetinaOptions
+from models.seeing_body import SeeingBody
+
+FloatArray = NDArray[np.float64]
+
+TOYS = tuple(COLOURS)
+"""Toys hang about the head, one of each colour."""
+TOY_RADIUS = 0.03
+LEAST_TOY = 10.0
+"""Square pixels at 160 x 120, a fifth of what a toy covers; less of it is no toy."""
+TOY_DISTANCE = (0.9, 1.1)
+"""m: about an arm's length of an adult; a much nearer toy would move otherwise (parallax)."""
+TOY_BEARING, TOY_ELEVATION = 0.85, (-0.80, 0.50)
+"""rad, largest bearing to either side and range of elevations."""
+APART = np.deg2rad(13.0)
+SACCADE_S = 1.4
+"""s between saccades: the slowest of them (tilt, 30 degrees at 80 degrees/s^2) takes 1.23 s."""
+COPIES = 16
+"""Heads that babble side by side, each before toys hung up its own way."""
+BOUT = 6
+"""Saccades between two rests."""
+REACH = Reach(np.array([-0.70, -0.40]), np.array([0.70, 0.62]), np.array([0.56, 0.44]))
+"""Postures and saccades that are babbled, rad."""
+REACH_LOW_TILT = {"hoap2": (-0.24, 0.62)}
+"""HOAP-2 tilts its head only 15 degrees up."""
+REST = {"biclops": (0.0, 0.0), "hoap2": (0.0, 0.16)}
+
+
+@dataclass(frozen=True)
+class EyeOptions:
+    """How the eyes see; the options that every experiment with eyes has."""
+
+    robot: str = "biclops"
+    width: int = 160
+    height: int = 120
+    noise: float = 0.02
+    blur: float = 0.0
+    fovy_deg: float | None = None
+    renderer: str = "rays"
+
+    @property
+    def retina(self) -> RetinaOptions:
+        """Checked options of both retinas."""
+        return RetinaOptions(self.width, self.height, self.fovy_deg, self.noise, self.blur)
+
+
+def reach_of(robot: str) -> Reach:
+    """Postures that are babbled."""
+    low, high = REACH_LOW_TILT.get(robot, (REACH.low[1], REACH.high[1]))
+    return Reach(np.array([REACH.low[0], low]), np.array([REACH.high[0], high]), REACH.largest)
+
+
+def toy_places(copies: int, seed: int) -> FloatArray:
+    """(K, copies, 3) where toys hang: random directions at least `APART`, in the table's frame."""
+    rng = np.random.default_rng([seed, 0x701])
+    places = np.empty((len(TOYS), copies, 3))
+    for copy in range(copies):
+        found: list[FloatArray] = []
+        while len(found) < len(TOYS):
+            bearing, elevation = rng.uniform(-TOY_BEARING, TOY_BEARING), rng.uniform(*TOY_ELEVATION)
+            way = np.array(
+                [np.cos(elevation) * np.cos(bearing), np.cos(elevation) * np.sin(bearing), np.sin(elevation)]
+            )
+            if all(way @ other < np.cos(APART) for other in found):
+                found.append(way)
+        distance = rng.uniform(*TOY_DISTANCE, (len(TOYS), 1))
+        places[:, copy] = np.array(found) * distance + (0.0, 0.0, EYE_HEIGHT)
+    return places
+
+
+def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
+    """Heads among toys."""
+    balls = [Ball(name, (1.0, 0.0, 0.2), COLOURS[name], TOY_RADIUS) for name in TOYS]
+    model = stage(options.robot, balls=balls).compile()
+    clear_away(model, "table")  # toys hang below its top too
+    body = SeeingBody(
+        model,
+        options.robot,
+        Finder(TOYS, LEAST_TOY * (options.height / 120) ** 2),
+        len(TOYS),
+        retina=options.retina,
+        renderer=options.renderer,
+        copies=copies,
+        tick_s=SACCADE_S,
+        seed=seed,
+        rest=REST[options.robot],
+    )
+    for name, places in zip(TOYS, toy_places(copies, seed), strict=True):
+        body.place(name, places)
+    return body
+
+
+class _Noting:
+    """A babbler whose transitions are noted as well as counted: for peers that learn from the very same experience."""
+
+    def __init__(self, babbler: LookingPilot, notes: list[Transitions]) -> None:
+        self.babbler, self.notes, self._reading = babbler, notes, babbler.reading
+        self.forward_model, self.stream = babbler.forward_model, babbler.stream
+
+    @property
+    def reading(self) -> "_Noting":
+        """Ourselves: see `transitions`."""
+        return self
+
+    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
+        """As the babbler reads them."""
+        self.notes.append(self._reading.transitions(before, motors, after))
+        return self.notes[-1]
+
+
+def learn_to_look(
+    body: SeeingBody,
+    minutes: float,
+    seed: int,
+    after_bout: Callable[[float, LookingMind], None] | None = None,
+    notes: list[Transitions] | None = None,
+) -> LookingMind:
+    """Pilot and so many body-minutes of saccades; with `notes`, their transitions are kept there too.
+
+    Raises:
+        ExperimentError: no time at all.
+    """
+    ticks = round(minutes * 60 / body.tick_s / body.copies) if np.isfinite(minutes) else 0
+    if minutes <= 0 or ticks < 1:
+        raise ExperimentError(
+            f"{minutes:g} minutes of looking about: at least {body.tick_s * body.copies / 60:.2g} are needed, "
+            f"one saccade of each of {body.copies} heads"
+        )
+    plan = tuple(min(BOUT, BOUT_TICKS, ticks - start) for start in range(0, ticks, BOUT))
+    found = pilot_looking(body, reach_of(body.robot), seed)
+    done = np.cumsum(plan) * body.tick_s * body.copies / 60
+
+    def told(bout: int, model: ForwardModel) -> None:
+        if after_bout is not None:
+            after_bout(bout / len(plan), LookingMind(found, model, float(done[bout - 1])))
+
+    babbler = found if notes is None else _Noting(found, notes)
+    model = babble(body, babbler, plan, seed, after_bout=told)
+    return LookingMind(found, model, float(done[-1]))

@@ -1,0 +1,243 @@
+"""Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.forward_model import ForwardModel
+from babbling.loop import babble, bouts, experience, flat
+from babbling.mind import Mind, Temper
+from babbling.pilot import Pilot, pilot
+from babbling.storage import load_mind, save_mind
+from experiments.errors import ExperimentError
+from imitation.acting.rehearsal import rehearse
+from models.body import SimulatedBody
+from models.loading import load_body
+
+COPIES = 64
+DEFAULT_MINUTES = 20.0
+LONGEST_MINUTES = 1e5
+BARE_TICKS = 100
+
+
+@dataclass(frozen=True)
+class BodyOptions:
+    """Which body, and what it feels like."""
+
+    robot: str = "hoap2"
+    noise_deg: float = 0.0
+    scramble: int | None = None
+    seed: int = 0
+    threads: int = 2
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.noise_deg <= 30:
+            raise ExperimentError(f"--sensor-noise-deg {self.noise_deg:g}: it must lie between 0 and 30 degrees")
+        if not 1 <= self.threads <= 256:
+            raise ExperimentError(f"--threads {self.threads}: it must lie between 1 and 256")
+        if self.seed < 0 or (self.scramble is not None and self.scramble < 0):
+            name, value = ("--seed", self.seed) if self.seed < 0 else ("--scramble", self.scramble)
+            raise ExperimentError(f"{name} {value}: it must be 0 or more")
+
+    def body(self, copies: int, stream: int = 0) -> SimulatedBody:
+        """So many copies; `stream` tells apart the sensor noise of different uses."""
+        return load_body(
+            self.robot,
+            copies=copies,
+            threads=self.threads,
+            noise=float(np.deg2rad(self.noise_deg)),
+            scramble=self.scramble,
+            seed=self.seed * 1000 + stream,
+        )
+
+
+def check_minutes(minutes: float) -> None:
+    """Refuse an impossible babbling time before anything is spent on it.
+
+    Raises:
+        ExperimentError: not a number, nothing, or more than anyone can wait for.
+    """
+    if not 0 < minutes <= LONGEST_MINUTES:
+        raise ExperimentError(f"--babbling-minutes {minutes:g}: it must be more than 0 and at most {LONGEST_MINUTES:g}")
+
+
+@dataclass(frozen=True)
+class LearningCurve:
+    """Prediction error of held-out transitions against body time."""
+
+    minutes: NDArray[np.float64]
+    table_deg: NDArray[np.float64]
+    """Root mean square over factors and transitions, degrees of posture."""
+    linear_deg: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A mind and how it came about."""
+
+    mind: Mind
+    metrics: dict[str, Any] = field(default_factory=dict)
+    curve: LearningCurve | None = None
+
+
+class Curve:
+    """Collects a learning curve while babbling goes on."""
+
+    def __init__(self, options: BodyOptions, found: Pilot) -> None:
+        body = options.body(COPIES, stream=2)
+        before, motors, after = flat(*experience(body, found, options.seed + 7919, 0, 100))
+        seen = found.reading.transitions(before, motors, after)
+        self.rate, self.action, self.outcome = seen.context[0], seen.action, seen.outcome
+        self.points: list[tuple[float, float, float]] = []
+
+    def note(self, minutes: float, model: ForwardModel) -> None:
+        """Add a point for the forward model as it is now."""
+        table = model.expected((self.rate,), self.action)
+        line = model.linear().predict(self.rate, self.action)[..., 0]
+        self.points.append((minutes, self._error(table), self._error(line)))
+
+    def _error(self, predicted: NDArray[np.float64]) -> float:
+        return float(np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))))
+
+    def result(self) -> LearningCurve:
+        """The curve so far."""
+        minutes, table, line = np.array(self.points).T
+        return LearningCurve(minutes, table, line)
+
+
+def learn_mind(
+    options: BodyOptions,
+    minutes: float,
+    report: Callable[[float], None],
+    *,
+    checkpoint: Path | None = None,
+    curve_every: int = 1,
+) -> Learned:
+    """Pilot, babbling, rehearsal.
+
+    Args:
+        options: the body.
+        minutes: body time of the main babble.
+        report: progress, 0 to 1.
+        checkpoint: where to keep what was learned so far after every bout; an interrupted babble goes on from there and
+            ends with the same mind.
+        curve_every: bouts between two points of the learning curve.
+    """
+    body = options.body(COPIES)
+    plan = bouts(minutes, body)
+    started = time.perf_counter()
+    found, model, first = _resume(checkpoint, body, options, minutes, plan)
+    if found is None:
+        found = pilot(body, options.seed)
+    piloted = time.perf_counter() - started
+    curve = Curve(options, found)
+    done_ticks = sum(plan[:first])
+    spent = 0.0
+    clock = time.perf_counter()
+
+    def after_bout(done: int, model: ForwardModel) -> None:
+        nonlocal clock, spent
+        spent += time.perf_counter() - clock
+        if done % curve_every == 0 or done == len(plan):
+            curve.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
+        if checkpoint is not None and done < len(plan):
+            mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
+            save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.noise_deg)
+        report(0.95 * done / len(plan))
+        body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
+        clock = time.perf_counter()
+
+    body.reseed(1 + first)
+    model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
+    mind = rehearse(lambda copies: options.body(copies, stream=1), mind, options.seed)
+    report(1.0)
+    ticks = sum(plan) - done_ticks
+    metrics = {
+        "babbling_transitions": model.transitions,
+        "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
+        "pilot_body_minutes": found.minutes,
+        "babbling_wall_s": spent,
+        "pilot_wall_s": piloted,
+        "babbling_outside": int(model.outside.sum()),
+        "babbling_efficiency_factor": (ticks / spent) / bare_rate(body, found, np.random.default_rng([options.seed, 6]))
+        if spent > 0
+        else 1.0,
+        "steps_per_second_factor": ticks * COPIES * body.substeps / spent if spent > 0 else 0.0,
+    }
+    return Learned(mind, metrics, curve.result() if curve.points else None)
+
+
+def bare_rate(body: SimulatedBody, found: Pilot, rng: np.random.Generator, ticks: int = BARE_TICKS) -> float:
+    """Ticks per second of `mujoco.batch` alone, stepping the same bodies through babbling's own commands."""
+    stream = found.stream(body, rng)
+    commands = [body.commands(next(stream)) for _ in range(ticks)]
+    body.reset()
+    started = time.perf_counter()
+    for command in commands:
+        body.batch.ctrl[:] = command
+        body.batch.step(nstep=body.substeps)
+    return ticks / (time.perf_counter() - started)
+
+
+def take_mind(path: Path, options: BodyOptions) -> Learned:
+    """A mind from a file, checked against the body.
+
+    Raises:
+        BabblingError: see `load_mind` and `Mind.check`.
+    """
+    mind, _ = load_mind(path)
+    mind.check(options.body(1))
+    model = mind.forward_model
+    per_factor = model.transitions / len(model.factors)
+    return Learned(
+        mind,
+        {
+            "babbling_transitions": model.transitions,
+            "babbling_body_minutes": per_factor * options.body(1).tick_s / 60,
+            "pilot_body_minutes": mind.pilot.minutes,
+            "babbling_wall_s": 0.0,
+            "babbling_efficiency_factor": None,  # nobody babbled
+            "babbling_outside": int(model.outside.sum()),
+        },
+    )
+
+
+def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: float) -> None:
+    """Write the mind with what a reader may want to know."""
+    save_mind(
+        learned.mind,
+        path,
+        robot=options.robot,
+        minutes=minutes,
+        noise_deg=options.noise_deg,
+        scramble=-1 if options.scramble is None else options.scramble,
+    )
+
+
+def _resume(
+    checkpoint: Path | None, body: SimulatedBody, options: BodyOptions, minutes: float, plan: tuple[int, ...]
+) -> tuple[Pilot | None, ForwardModel | None, int]:
+    if checkpoint is None or not checkpoint.exists():
+        return None, None, 0
+    mind, notes = load_mind(checkpoint)
+    done = notes.get("bouts_done", -1)
+    if not isinstance(done, int | np.integer) or not 0 <= done < len(plan):
+        raise ExperimentError(f"{checkpoint}: this is no interrupted babble; move or delete the file")
+    same = (
+        mind.fingerprint == body.fingerprint
+        and mind.seed == options.seed
+        and float(notes.get("minutes", -1)) == minutes
+        and float(notes.get("noise_deg", -1)) == options.noise_deg
+    )
+    if not same:
+        raise ExperimentError(
+            f"{checkpoint}: an interrupted babble of another body, seed, noise or length is here; "
+            "repeat that command to finish it, or delete the file"
+        )
+    return mind.pilot, mind.forward_model, int(done)

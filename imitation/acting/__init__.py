@@ -1,0 +1,1 @@
+"""The match-to-target loop and what it needs: belief, movement, sub-goals, rehearsal."""

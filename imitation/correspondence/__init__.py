@@ -1,0 +1,1 @@
+"""Somebody else's limbs, one's own postures."""

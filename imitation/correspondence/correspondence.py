@@ -1,0 +1,121 @@
+"""Correspondence: somebody else's limb directions become postures of one's own (chapter, sections 2.2, 3.2 and 3.5).
+
+What is seen of a teacher is where its parts point, whatever its size, heading or joints: the supramodal state of the
+chapter's Figure 9. What one's own parts look like in a posture was learned in front of a mirror (`BodyImage`). So a
+movement that was seen is steadied (`steadying`), every own limb in turn is turned round by Eq. (1) (`inversion`), and
+what comes out is smoothed into sub-goals that keep the limits (`smooth_path`).
+No joint name, no limb length and no kinematics is used.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import FloatArray
+from babbling.body_image import BodyImage
+from imitation.correspondence.inversion import Chosen, LimbView, choose
+from imitation.correspondence.limbs import own_limbs
+from imitation.correspondence.smooth_path import smooth_path
+from imitation.correspondence.steadying import steady
+from imitation.errors import ImitationError
+
+MARGIN = np.deg2rad(1.0)
+"""Distance kept from the ends of the posture senses, rad."""
+IN_REACH = np.deg2rad(5.0)
+"""A direction that can be met this nearly is held while smoothing."""
+LEAST_TRUST = 0.02
+
+
+@dataclass(frozen=True)
+class SubGoals:
+    """A movement that was seen, as postures of one's own.
+
+    postures: (T, F). parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. predicted:
+    (T, P', 3) directions that these postures should show. noise: (P',) seeing noise per axis, rad. chosen: limb by
+    limb, what Eq. (1) said. ignored: parts seen that one does not have. seconds: processor time
+    it took, all threads together.
+    """
+
+    postures: FloatArray
+    parts: tuple[str, ...]
+    wanted: FloatArray
+    predicted: FloatArray
+    noise: FloatArray
+    chosen: Mapping[tuple[str, ...], Chosen]
+    ignored: tuple[str, ...]
+    seconds: float
+
+
+def correspond(
+    image: BodyImage,
+    name: str,
+    seen: Mapping[str, FloatArray],
+    tick_s: float,
+    speed: FloatArray,
+    visible: Mapping[str, NDArray[np.bool_]] | None = None,
+) -> SubGoals:
+    """Sub-goals for a movement.
+
+    Args:
+        image: the learned body image.
+        name: what people call the movement.
+        seen: part -> (T, 3) directions in the teacher's torso's frame, one per tick.
+        tick_s: duration of a tick.
+        speed: (F,) limits, posture units per second.
+        visible: part -> (T,) whether it was seen; parts not named were seen throughout.
+
+    Raises:
+        ImitationError: none of the parts is one of one's own, or lengths differ.
+    """
+    started = time.process_time()
+    parts = tuple(part for part in image.parts if part in seen)
+    if not parts:
+        raise ImitationError(
+            f"{name}: none of the parts seen ({', '.join(seen) or 'nothing'}) is one of one's own "
+            f"({', '.join(image.parts)}): there is nothing to imitate"
+        )
+    lengths = {len(seen[part]) for part in parts}
+    if len(lengths) != 1:
+        raise ImitationError(f"{name}: parts were seen for {sorted(lengths)} frames; all must have as many")
+    count = lengths.pop()
+    steadied = {
+        part: steady(f"{name}: {part}", seen[part], (visible or {}).get(part, np.ones(count, bool))) for part in parts
+    }
+    postures = np.tile(image.rest, (count, 1))
+    chosen: dict[tuple[str, ...], Chosen] = {}
+    for limb in own_limbs(image.organs.moves):
+        here = [
+            (part, tolerance)
+            for part, tolerance in zip(limb.parts, limb.tolerances, strict=True)
+            if image.parts[part] in steadied
+        ]
+        if not here:
+            continue
+        names = tuple(image.parts[part] for part, _ in here)
+        view = LimbView(image, limb, [part for part, _ in here], postures, MARGIN)
+        wanted = np.stack([steadied[part].directions for part in names], 1)
+        trust = np.stack([np.maximum(steadied[part].trust, LEAST_TRUST) for part in names], 1)
+        doubt = np.array([steadied[part].doubt for part in names])
+        precision = 1 / (doubt**2 + np.array([tolerance for _, tolerance in here]) ** 2)
+        weights = trust * precision / precision.max()
+        found = choose(view, wanted, weights, doubt)
+        shown, _ = view.directions(found.angles, np.arange(count))
+        holding = (np.linalg.norm(shown - wanted, axis=-1) < IN_REACH) & (trust == 1)
+        postures[:, limb.factors] = smooth_path(
+            view, found.angles, weights, holding, doubt, speed[limb.factors], tick_s
+        )
+        chosen[names] = found
+    places = [image.parts.index(part) for part in parts]
+    return SubGoals(
+        postures,
+        parts,
+        np.stack([steadied[part].directions for part in parts], 1),
+        image.expected(postures)[:, places],
+        np.array([steadied[part].noise for part in parts]),
+        chosen,
+        tuple(part for part in seen if part not in image.parts),
+        time.process_time() - started,
+    )

@@ -1,0 +1,152 @@
+"""From postures found frame by frame to sub-goals that a body can follow.
+
+Over a whole movement of one limb, min over q(t) of
+
+    sum_t sum_s h_ts |direction_s(q_t) - found_ts|^2  +  m sum_t |third difference of q|^2
+                                                      +  c sum_t |speed beyond its limit|^2
+
+inside the range of the senses. m makes the middle term a low-pass without delay at CUT_OFF_HZ; it also carries a limb
+smoothly through postures in which a sense changes nothing that is seen. h grows where a direction that can be shown is
+moved by more than TUBE; c grows until the speed limit holds, and what is left is cut. Gauss-Newton on a banded system.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+
+from babbling.axes import FloatArray
+from imitation.correspondence.inversion import LimbView
+
+CUT_OFF_HZ = 8.0
+"""Limbs of humans move more slowly than this."""
+TUBE, PROMISE = np.deg2rad(0.15), np.deg2rad(0.2)
+"""Directions that can be shown are held as hard as it takes to stay this near; further off than PROMISE goes on."""
+SPEED_SHARE = 0.96
+"""Share of the speed limit that sub-goals use."""
+REST = 1e-6
+ROUNDS, STEPS = 10, 8
+
+
+def smooth_path(
+    view: LimbView,
+    start: FloatArray,
+    weights: FloatArray,
+    holding: NDArray[np.bool_],
+    doubt: FloatArray,
+    speed: FloatArray,
+    tick_s: float,
+) -> FloatArray:
+    """Smooth postures (T, n).
+
+    weights (T, S): of squared errors; holding (T, S): directions that can be shown and were seen; doubt (S,):
+    what is not known of them anyway, rad; speed (n,): rad/s.
+    """
+    rows = np.arange(len(start))
+    found, _ = view.directions(start, rows)
+    hold = np.sqrt(weights)
+    bending = (2 * np.sin(np.pi * CUT_OFF_HZ * tick_s)) ** -6
+    limit = SPEED_SHARE * speed * tick_s
+    tube, promise = TUBE + doubt, PROMISE + 1.5 * doubt
+    angles, brake = start, 1.0
+    for _ in range(ROUNDS):
+        angles = _descend(view, angles, found, hold, brake, limit, bending)
+        away = np.linalg.norm(view.directions(angles, rows)[0] - found, axis=2)
+        excess = np.abs(np.diff(angles, axis=0)) / limit - 1
+        fast = np.zeros(len(start), bool)
+        fast[1:] |= (excess > -1e-3).any(1)
+        fast = np.convolve(fast, np.ones(11), "same") > 0  # near a speed limit directions come early or late
+        held = holding & ~fast[:, None]
+        if excess.max() < 0.01 and (away - promise)[held].max(initial=-1) < 0:
+            break
+        hold = np.where(held, np.maximum(hold * away / tube, hold / 2), hold)
+        hold = np.clip(hold, np.sqrt(weights), 1e6)
+        brake *= 5 if excess.max() >= 0.01 else 1
+    return _within_speed(angles, limit)
+
+
+def _descend(
+    view: LimbView,
+    angles: FloatArray,
+    found: FloatArray,
+    hold: FloatArray,
+    brake: float,
+    limit: FloatArray,
+    bending: float,
+) -> FloatArray:
+    rows = np.arange(len(angles))
+
+    def cost_of(trial: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        shown, slope = view.directions(trial, rows)
+        miss = shown - found
+        cost = (hold * (miss**2).sum(-1)).sum() + bending * (np.diff(trial, 3, axis=0) ** 2).sum()
+        cost += brake * (_excess(trial, limit) ** 2).sum() + REST * ((trial - view.rest) ** 2).sum()
+        return float(cost), miss, slope
+
+    cost, miss, slope = cost_of(angles)
+    for _ in range(STEPS):
+        weighted = (slope * hold[:, :, None, None]).reshape(len(angles), -1, angles.shape[1])
+        flat = slope.reshape(weighted.shape)
+        gradient = (weighted.swapaxes(1, 2) @ miss.reshape(len(angles), -1, 1))[..., 0] + REST * (angles - view.rest)
+        third = np.diff(angles, 3, axis=0)
+        gradient += bending * -np.diff(np.pad(third, ((3, 3), (0, 0))), 3, axis=0)
+        excess = brake * _excess(angles, limit)
+        gradient -= np.diff(np.pad(excess, ((1, 1), (0, 0))), axis=0)
+        held = ((angles <= view.low) & (gradient > 0)) | ((angles >= view.high) & (gradient < 0))
+        bands = _banded(weighted.swapaxes(1, 2) @ flat, np.where(excess != 0, brake, 0.0), bending, held)
+        step = solveh_banded(bands, np.where(held, 0, gradient).ravel(), lower=True).reshape(angles.shape)
+        share = 1.0
+        while share > 1e-2:
+            trial = np.clip(angles - share * step, view.low, view.high)
+            other = cost_of(trial)
+            if other[0] < cost:
+                break
+            share /= 3
+        else:
+            break
+        gain = cost - other[0]
+        angles, (cost, miss, slope) = trial, other
+        if gain < 1e-3 * cost + 1e-10:
+            break
+    return angles
+
+
+def _excess(angles: FloatArray, limit: FloatArray) -> FloatArray:
+    """What each step (T - 1, n) has beyond the limit, signed."""
+    step = np.diff(angles, axis=0)
+    beyond: FloatArray = step - np.clip(step, -limit, limit)
+    return beyond
+
+
+def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: NDArray[np.bool_]) -> FloatArray:
+    """The Gauss-Newton matrix, lower banded; rows and columns of held angles are the identity's."""
+    count, size = held.shape
+    bands = np.zeros((3 * size + 1, count, size))
+    for below in range(size):
+        for column in range(size - below):
+            bands[below, :, column] = blocks[:, column + below, column]
+    bands[0] += REST
+    bands[0, :-1] += brakes
+    bands[0, 1:] += brakes
+    bands[size, :-1] -= brakes
+    stencil = np.array([-1.0, 3.0, -3.0, 1.0])
+    for first in range(4):
+        for second in range(first, 4):
+            bands[(second - first) * size, first : count - 3 + first] += bending * stencil[first] * stencil[second]
+    flat, fixed = bands.reshape(3 * size + 1, -1), held.ravel()
+    for below in range(3 * size + 1):
+        length = flat.shape[1] - below
+        flat[below, :length][fixed[:length] | fixed[below:]] = 0
+    flat[0][fixed] = 1
+    return flat
+
+
+def _within_speed(angles: FloatArray, step: FloatArray) -> FloatArray:
+    """The movement nearest in the largest difference that moves at most `step` (n,) per frame."""
+    above, below = angles.copy(), angles.copy()
+    for order in (range(1, len(angles)), range(len(angles) - 2, -1, -1)):
+        last = -1 if order.step > 0 else 1
+        for t in order:
+            above[t] = np.maximum(above[t], above[t + last] - step)
+            below[t] = np.minimum(below[t], below[t + last] + step)
+    middle: FloatArray = (above + below) / 2
+    return middle

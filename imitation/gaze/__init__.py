@@ -1,0 +1,1 @@
+"""Looking at things, and seeing what others look at."""

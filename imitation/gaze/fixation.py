@@ -1,0 +1,102 @@
+"""Looking at something: Eq. (1) with an image position as the sub-goal.
+
+Where a thing is on the retina is the state, in the middle is where it should be, a saccade is the action. Motors are
+asked one after the other, as the forward model of looking chains them: motor 0 for the change that takes the thing's u
+to the sub-goal, then, from where the thing is then expected, motor 1 for v.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import Axis, FloatArray
+from babbling.grids import interpolate
+from babbling.looking import Reach
+from babbling.sight import Sight
+from imitation.inference.bayes import ActionPosterior, action_posterior
+from imitation.inference.selection import selection_rule
+
+CANDIDATES = 1001
+"""Changes of posture that Eq. (1) weighs, for each motor."""
+
+
+class Saccade(NamedTuple):
+    """What Eq. (1) chose for N things."""
+
+    change: FloatArray
+    """(N, 2) change of posture of each motor, rad."""
+    posterior: tuple[ActionPosterior, ActionPosterior]
+    """Of motor 0 and motor 1, (N, A) over their candidates."""
+    expected: FloatArray
+    """(N, C) where the thing is expected afterwards, pixels from the middle."""
+    uninformed: NDArray[np.bool_]
+    """(N,) where Eq. (1) was 0/0 for a motor and the efference copy acted instead."""
+
+
+class Fixation:
+    """Chooses saccades that bring things to a place of one eye's image.
+
+    Args:
+        sight: the learned forward model.
+        reach: postures that may be asked for.
+        selection: name of a selection rule.
+        eye: 0 left, 1 right.
+    """
+
+    def __init__(self, sight: Sight, reach: Reach, selection: str = "mean", eye: int = 0) -> None:
+        self.sight, self.reach, self.rule, self.eye = sight, reach, selection_rule(selection), eye
+        limit = reach.largest
+        self.candidates = tuple(
+            Axis("change", "rad", np.array([-limit[m]]), np.array([limit[m]]), CANDIDATES) for m in range(2)
+        )
+
+    def choose(
+        self, things: FloatArray, posture: FloatArray, rng: np.random.Generator, goal: tuple[float, float] = (0.0, 0.0)
+    ) -> Saccade:
+        """(N, C) things from the image's middle and (N, 2) postures to saccades; `goal` is (u, v) from the middle."""
+        here, place = np.asarray(things, float).copy(), np.asarray(posture, float).copy()
+        change = np.zeros((len(here), 2))
+        posteriors, uninformed = [], np.zeros(len(here), bool)
+        for motor in range(2):
+            posterior, fallback = self.posterior(motor, here, place, goal[motor])
+            chosen = self.rule(posterior.probability[:, None], self.candidates[motor], rng)[:, 0]
+            change[:, motor] = np.where(posterior.informed, chosen, fallback)
+            uninformed |= ~posterior.informed
+            step = np.zeros_like(change)
+            step[:, motor] = change[:, motor]
+            here = self.sight.expect(here, place, step)
+            place[:, motor] += change[:, motor]
+            posteriors.append(posterior)
+        return Saccade(change, (posteriors[0], posteriors[1]), here, uninformed)
+
+    def posterior(
+        self, motor: int, things: FloatArray, posture: FloatArray, goal: float
+    ) -> tuple[ActionPosterior, FloatArray]:
+        """Eq. (1) for one motor over its candidates: P(a | s, s' = goal); beside it what the efference copy would do.
+
+        The prior is uniform over the changes that stay within reach.
+        """
+        reading, model = self.sight.reading, self.sight.forward_model
+        coordinates = reading.retina.coordinates
+        factor = motor * coordinates + 2 * self.eye + motor
+        actions = self.candidates[motor].points[0]
+        shape = (len(things), CANDIDATES)
+        context = tuple(
+            np.broadcast_to(value[:, None], shape)
+            for value in (things[:, 2 * self.eye], things[:, 2 * self.eye + 1], posture[:, 1 - motor])
+        )
+        action = np.broadcast_to(actions, shape)
+        wanted = goal - things[:, None, 2 * self.eye + motor]
+        outcome = wanted - reading.straight_of(factor, context, action)
+        axes = tuple(
+            Axis(a.name, a.unit, a.low[factor : factor + 1], a.high[factor : factor + 1], a.size) for a in model.axes
+        )
+        values = (*(c[..., None] for c in context), action[..., None], outcome[..., None])
+        likelihood = interpolate(model.predictive[factor : factor + 1], axes, values)[..., 0]
+        inside = axes[-1].soft(outcome[..., None]).inside[..., 0]
+        after = posture[:, None, motor] + actions
+        within = (after >= self.reach.low[motor] - 1e-9) & (after <= self.reach.high[motor] + 1e-9)
+        posterior = action_posterior(np.where(inside, likelihood, 0.0), within / np.maximum(within.sum(-1), 1)[:, None])
+        possible = np.where(within, np.abs(outcome), np.inf).argmin(-1)
+        return posterior, actions[possible]

@@ -1,0 +1,1 @@
+"""Eq. (1) and Eq. (2), priors over actions and goals, selection."""

@@ -1,0 +1,98 @@
+"""Inferring the intent of a teacher over time: Eq. (2) at every step, alone or as a Bayes filter (section 3.3.3).
+
+Per step, the chapter's rule: each step is judged by itself with the full Eq. (2). As a filter: what was believed after
+one step is the prior over goals at the next,
+
+    P(g | steps 1 .. t) = k P(a_t | g, s_t) P(g | steps 1 .. t - 1),        P(g | nothing) = k P(s_1 | g) P(g),
+
+so that P(s | g) enters at most once. Multiplying it in at every step would count the same evidence again and again.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import FloatArray
+from imitation.errors import ImitationError
+from imitation.inference.bayes import GoalPosterior, goal_posterior
+
+
+class Intent(NamedTuple):
+    """What was believed of a teacher's goal, step by step."""
+
+    probability: FloatArray
+    """(T, G) P(g) after each step; rows sum to 1."""
+    entropy: FloatArray
+    """(T,) bits."""
+    informed: NDArray[np.bool_]
+    """(T,) False where a step was 0/0 under every goal: the belief was then left as it was."""
+
+    @property
+    def uninformed_steps(self) -> int:
+        """How many steps said nothing because no goal explains them."""
+        return int((~self.informed).sum())
+
+
+def intent_by_step(
+    action_prior: FloatArray,
+    goal_prior: FloatArray,
+    state_given_goal: FloatArray | None = None,
+    likelihood: FloatArray | None = None,
+) -> Intent:
+    """Eq. (2) for each step by itself; a step that is 0/0 leaves the prior over goals as it was.
+
+    Args:
+        action_prior: (T, G) P(a_t | g, s_t) of the actions that were seen (or, for unobserved actions, the evidence
+            sum_a P(s' | s, a) P(a | g, s)).
+        goal_prior: (G,).
+        state_given_goal: (T, G) P(s_t | g), or None to leave it out.
+        likelihood: (T, 1) P(s_{t+1} | s_t, a_t); None is 1, which says the same: it does not depend on the goal.
+    """
+    likely = np.ones((len(action_prior), 1)) if likelihood is None else likelihood
+    posterior = goal_posterior(likely, action_prior, goal_prior, state_given_goal)
+    return _intent(np.where(posterior.informed[:, None], posterior.probability, goal_prior), posterior.informed)
+
+
+def intent_filter(
+    action_prior: FloatArray, goal_prior: FloatArray, first_state_given_goal: FloatArray | None = None
+) -> Intent:
+    """The Bayes filter of the module's head; a step that is 0/0 leaves the belief as it was, counted.
+
+    Args:
+        action_prior: (T, G) as in `intent_by_step`.
+        goal_prior: (G,).
+        first_state_given_goal: (G,) P(s_1 | g), used once; None leaves it out.
+
+    Raises:
+        ImitationError: where the teacher began is impossible under every goal.
+    """
+    belief = goal_prior
+    if first_state_given_goal is not None:
+        start = goal_posterior(np.ones(1), first_state_given_goal, goal_prior)
+        if not start.informed:
+            raise ImitationError("no goal explains where the teacher began; smooth P(s | g) or leave it out")
+        belief = start.probability
+    probability, informed = np.empty(action_prior.shape), np.empty(len(action_prior), bool)
+    for t, seen in enumerate(action_prior):
+        posterior: GoalPosterior = goal_posterior(np.ones(1), seen, belief)
+        informed[t] = posterior.informed
+        belief = posterior.probability if informed[t] else belief
+        probability[t] = belief
+    return _intent(probability, informed)
+
+
+def in_blocks(values: FloatArray, length: int) -> FloatArray:
+    """(ceil(T / length), ...) means over blocks of steps; the last block may be shorter."""
+    if length < 1:
+        raise ImitationError(f"blocks of {length} steps; at least 1 is needed")
+    starts = np.arange(0, len(values), length)
+    sizes = np.diff([*starts, len(values)]).reshape(-1, *(1,) * (values.ndim - 1))
+    means: FloatArray = np.add.reduceat(values, starts, axis=0) / sizes
+    return means
+
+
+def _intent(probability: FloatArray, informed: NDArray[np.bool_]) -> Intent:
+    logs = np.zeros_like(probability)
+    np.log2(probability, out=logs, where=probability > 0)
+    return Intent(probability, -(probability * logs).sum(-1), informed)

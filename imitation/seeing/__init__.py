@@ -1,0 +1,1 @@
+"""From pixels to features, and from features to poses."""
