@@ -3,8 +3,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from imitation.errors import ImitationError
-from imitation.filters import kalman, particles, tracking
+from imitation.filters import kalman, particles
 from imitation.filters.kalman import Belief, System, constant_velocity, run_filter, smooth
+from imitation.seeing import tracking
 
 
 def _random_system(rng: np.random.Generator, n: int = 3, m: int = 2) -> tuple[System, Belief]:
