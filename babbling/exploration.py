@@ -1,15 +1,14 @@
-"""Ways to explore: what a babbler does with its motors. One dict, one entry per way.
+"""Ways to explore: what a babbler does with its motors.
 
 An exploration is an endless stream of (B, M) motor commands, one per control tick; it never looks at the senses.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from babbling.axes import FloatArray
-from babbling.errors import BabblingError, unknown
 
 
 @dataclass(frozen=True)
@@ -30,9 +29,6 @@ class MotorRange:
 
 SHORTEST_S, LONGEST_S = 0.2, 4.0
 """Durations of a single move: shorter ones are jerks that no one would imitate, longer ones fill a bout."""
-
-Exploration = Callable[[MotorRange, int, float, np.random.Generator], Iterator[FloatArray]]
-"""(range, copies B, tick_s, rng) -> stream of (B, M) commands."""
 
 
 def smooth(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
@@ -61,29 +57,8 @@ def smooth(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Genera
         yield start + (goal - start) * r**3 * (10 - 15 * r + 6 * r * r) + motors.jitter * rng.standard_normal(shape)
 
 
-def uniform(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
-    """A fresh uniform command every tick: wandering, for bodies whose actions are single acts."""
-    shape = (copies, len(motors.low))
-    while True:
-        yield motors.low + (motors.high - motors.low) * rng.random(shape)
-
-
 def choices(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
     """A fresh whole number in low .. high every tick: random acts out of a list (the chapter's maze wandering)."""
     shape = (copies, len(motors.low))
     while True:
         yield rng.integers(motors.low.astype(int), motors.high.astype(int) + 1, shape).astype(float)
-
-
-EXPLORATION: dict[str, Exploration] = {"smooth": smooth, "uniform": uniform, "choices": choices}
-
-
-def exploration(name: str) -> Exploration:
-    """The exploration of this name.
-
-    Raises:
-        BabblingError: there is none.
-    """
-    if name not in EXPLORATION:
-        raise BabblingError(unknown("exploration", name, EXPLORATION))
-    return EXPLORATION[name]

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,6 @@ from numpy.typing import NDArray
 
 from babbling.axes import Axis
 from babbling.errors import BabblingError
-from babbling.exploration import EXPLORATION, MotorRange, exploration
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
 from imitation.errors import ImitationError
@@ -34,7 +32,6 @@ FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
 REGISTRIES: dict[str, tuple[Mapping[str, object], Callable[[str], object], type[Exception]]] = {
     "robot": (ROBOTS, load_body, BodyError),
     "demonstration": (DEMONSTRATIONS, perform, BodyError),
-    "exploration": (EXPLORATION, exploration, BabblingError),
     "selection": (SELECTION, selection_rule, ImitationError),
     "experiment": (EXPERIMENTS, entry, BabblingError),
 }
@@ -165,22 +162,6 @@ def test_a_demonstration_is_postures_in_order(name: str) -> None:
     assert one.robot in teaching.ROBOTS
     assert times[0] == 0 and len(times) > 1 and (np.diff(times) > 0).all()
     assert any(a != b for (_, a), (_, b) in zip(one.postures, one.postures[1:], strict=False))
-
-
-@pytest.mark.parametrize("name", EXPLORATION)
-def test_an_exploration_stays_in_its_range_and_can_be_repeated(name: str) -> None:
-    low, high = np.array([0.0, -2.0, 1.0]), np.array([4.0, 1.0, 2.0])
-    motors = MotorRange(low, high, rest=np.array([2.0, 0.0, 1.0]), speed=(high - low) / 0.3, jitter=np.zeros(3))
-
-    def commands(seed: int) -> NDArray[np.float64]:
-        return np.array(list(islice(exploration(name)(motors, 4, 0.02, np.random.default_rng(seed)), 400)))
-
-    sent = commands(7)
-    assert sent.shape == (400, 4, 3) and np.isfinite(sent).all()
-    assert (sent >= low - 1e-12).all() and (sent <= high + 1e-12).all()
-    assert (np.ptp(sent, axis=(0, 1)) > 0.5 * (high - low)).all()  # and it explores
-    np.testing.assert_array_equal(sent, commands(7))
-    assert (sent != commands(8)).any()
 
 
 AXES = {

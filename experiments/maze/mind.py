@@ -7,11 +7,11 @@ import numpy as np
 
 from babbling.axes import FloatArray, IntArray
 from babbling.forward_model import ForwardModel
-from babbling.moves import Places
+from babbling.moves import Places, overridden, relative_move
 from imitation.acting.follow import Journey, believed_likelihood, follow
 from imitation.acting.subgoals import SubGoals, acyclic_subgoals
 from imitation.episodes import Episode
-from imitation.inference.intent import Intent, intent_by_step, intent_filter
+from imitation.inference.intent import Intent, intent_by_step, intent_filter, step_evidence
 from imitation.inference.priors import ActionPriors
 from models.maze import ACTIONS, Maze, MazeBody, Walk, demonstrate
 
@@ -98,12 +98,30 @@ class Inferred(NamedTuple):
     """The Bayes filter on the same priors as `by_step`."""
 
 
-def infer(priors: ActionPriors, episode: Episode, goal_prior: FloatArray, smoothing: float) -> Inferred:
-    """Whose goal is this? Judged from states and actions alone; the episode's own goal is not looked at."""
+def step_likelihood(maze: Maze, table: FloatArray, episode: Episode) -> FloatArray:
+    """(T, A) P(s_{t+1} | s_t, a) of each step of a walk, by a (A, O) forward model, where walls are felt as one's own
+    touch would tell."""
+    states, places = episode.states, Places((1, 1), (maze.width, maze.height))
+    moved = relative_move(places.place(states[:-1]), places.place(states[1:]))
+    return np.asarray(overridden(table, maze.blocked[states[:-1], :4])[np.arange(len(moved)), :, moved])
+
+
+def infer(
+    priors: ActionPriors,
+    episode: Episode,
+    goal_prior: FloatArray,
+    smoothing: float,
+    likelihood: FloatArray | None = None,
+) -> Inferred:
+    """Whose goal is this? Judged from states and actions alone; the episode's own goal is not looked at.
+
+    With the `likelihood` of its steps (`step_likelihood`) the episode's actions are not looked at either.
+    """
     states: IntArray = episode.states[:-1]
-    plain = priors.action(smoothing)[:, states, episode.actions].T
+    actions = episode.actions if likelihood is None else None
+    plain = step_evidence(priors.action(smoothing), states, actions, likelihood)
     here = priors.state(smoothing)[:, states].T
-    doubtful = priors.doubtful(smoothing)[:, states, episode.actions].T if smoothing > 0 else plain
+    doubtful = step_evidence(priors.doubtful(smoothing), states, actions, likelihood) if smoothing > 0 else plain
     return Inferred(
         intent_by_step(plain, goal_prior, here),
         intent_filter(doubtful, goal_prior),

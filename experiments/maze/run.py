@@ -13,6 +13,7 @@ import tyro
 from matplotlib.figure import Figure
 
 from babbling.axes import Axis, FloatArray
+from babbling.errors import unknown
 from experiments.errors import ExperimentError
 from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
 from experiments.maze.learning import Curve, walkers
@@ -23,6 +24,7 @@ from experiments.maze.mind import (
     believed_tables,
     imitate,
     infer,
+    step_likelihood,
     teach,
     walked,
     watched,
@@ -45,6 +47,8 @@ BLOCK = 8
 UNSEEN_STEPS = 85
 """Length of the chapter's unseen walk."""
 UNSEEN_GOAL = 1
+SEEING = ("seen", "unseen")
+"""What an observer may see of a teacher's actions."""
 MOST_STEPS, MOST_DEMONSTRATIONS, MOST_STUDIED_CELLS = 10_000_000, 1000, 2500
 
 
@@ -64,6 +68,8 @@ class Config:
     """Walks per goal that the teacher shows."""
     wander_steps: int = 5000
     """Random steps from which the forward model is learned; 0 leaves it uniform."""
+    actions: str = "seen"
+    """Whether intent is inferred with the teacher's actions seen, or unseen: from its places alone."""
     smoothing: float = 0.1
     """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
     watch: Path | None = None
@@ -103,9 +109,15 @@ def run(config: Config) -> Result:
         journey = imitate(experience, config.goal, config.selection, config.seed)
     unseen = unseen_walk(maze, config.seed)
     episode = watched(unseen, maze)
-    inferred = infer(experience.priors, episode, goal_prior, config.smoothing)
-    even = infer(experience.priors, episode, np.full(len(maze.goals), 1 / len(maze.goals)), config.smoothing)
-    metrics = _metrics(config, experience, walks, journey, inferred, even, curve)
+    likelihood = step_likelihood(maze, believed_tables(experience.forward_model)[0], episode)
+    inferred, even = (
+        {
+            name: infer(experience.priors, episode, prior, config.smoothing, given)
+            for name, given in zip(SEEING, (None, likelihood), strict=True)
+        }
+        for prior in (goal_prior, np.full(len(maze.goals), 1 / len(maze.goals)))
+    )
+    metrics = _metrics(config, experience, walks, journey, inferred, even[config.actions], curve)
     summary = _summary(config, metrics)
     figures: dict[str, Figure] = {
         "figure_5": figure_5(
@@ -115,7 +127,7 @@ def run(config: Config) -> Result:
             metrics["forward_model"]["counted_transitions"],
         ),
         "figure_6": figure_6(maze, experience.priors.action(), walks, journey, config.goal, config.selection),
-        "figure_7": figure_7(maze, unseen, inferred, even, goal_prior, BLOCK),
+        "figure_7": figure_7(maze, unseen, inferred[config.actions], even[config.actions], goal_prior, BLOCK),
     }
     if curve is not None and curve.steps:
         figures["learning_curve"] = learning_curve(curve)
@@ -137,7 +149,16 @@ def run(config: Config) -> Result:
         summary,
         figures,
         lambda path: record(
-            path, experience, walks, journey, config.goal, unseen, inferred, goal_prior, summary, figures
+            path,
+            experience,
+            walks,
+            journey,
+            config.goal,
+            unseen,
+            inferred[config.actions],
+            goal_prior,
+            summary,
+            figures,
         ),
         files,
     )
@@ -159,6 +180,8 @@ def _check(config: Config, maze: Maze) -> FloatArray:
         raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
     goal_place(maze, config.goal)
     check_smoothing(config.smoothing)
+    if config.actions not in SEEING:
+        raise ExperimentError(unknown("way to watch --actions", config.actions, SEEING))
     five = np.full((1, len(ACTIONS)), 1 / len(ACTIONS))  # a rule that refuses categories should do so before the work
     selection_rule(config.selection)(five, Axis.categorical("action", ACTIONS), np.random.default_rng(0))
     goals = len(maze.goals)
@@ -178,7 +201,6 @@ def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Cur
         walks = [walked(episode, maze) for episode in experience.episodes]
         for number, walk in enumerate(walks, 1):
             check_walk(maze, walk, f"{config.memory}, walk {number}")
-        return experience, walks, None
         return experience, walks, None
     if config.watch is not None:
         walks = read_walks(config.watch, maze)
@@ -201,14 +223,14 @@ def _metrics(
     experience: Experience,
     walks: list[Walk],
     journey: Journey,
-    inferred: Inferred,
+    beliefs: dict[str, Inferred],
     even: Inferred,
     curve: Curve | None,
 ) -> dict[str, Any]:
     model, decisions, goal = experience.forward_model, journey.decisions, config.goal
     table = believed_tables(model)[0]
     teacher = float(np.mean([walk.steps for walk in walks if walk.goal == goal]))
-    true_goal = UNSEEN_GOAL - 1
+    true_goal, inferred = UNSEEN_GOAL - 1, beliefs[config.actions]
     return {
         "maze": {
             "width": experience.maze.width,
@@ -252,6 +274,14 @@ def _metrics(
             "right_steps": float((inferred.by_step.probability.argmax(1) == true_goal).mean()),
             "uninformed_steps": inferred.by_step.uninformed_steps,
             "filter_uninformed_steps": inferred.filtered.uninformed_steps,
+            "actions": config.actions,
+            "by_actions": {
+                name: {
+                    "right_steps": float((one.by_step.probability.argmax(1) == true_goal).mean()),
+                    "filter_end": one.filtered.probability[-1],
+                }
+                for name, one in beliefs.items()
+            },
         },
     }
 
@@ -283,6 +313,12 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
         f"right in {100 * intent['right_steps']:.0f} % of steps judged one by one "
         f"({intent['uninformed_steps']} were 0/0); the filter ends at {belief}"
     )
+    other = next(name for name in SEEING if name != config.actions)
+    beside = intent["by_actions"][other]
+    likewise = (
+        f"right in {100 * beside['right_steps']:.0f} % of steps; the filter ends at "
+        f"{', '.join(f'{p:.3f}' for p in beside['filter_end'])}"
+    )
     return f"""# Maze: wander, watch, imitate, infer
 
 | | |
@@ -290,5 +326,6 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
 | forward model | {source}: {verdict} |
 | imitation of goal {imitation["goal"]}, {imitation["selection"]} | {steps} (ratio {imitation["step_ratio"]:.2f}) |
 | events on the way | {events} |
-| intent, unseen walk of {intent["steps"]} steps to goal {intent["goal"]} | {right} |
+| intent, unseen walk of {intent["steps"]} steps to goal {intent["goal"]}, actions {config.actions} | {right} |
+| the same with actions {other} | {likewise} |
 """

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from experiments.maze.figures import learning_curve, trials_figure
 from experiments.maze.imitators import Imitators, Report
 from experiments.maze.learning import walkers
-from experiments.maze.mind import infer, junctions, watched
+from experiments.maze.mind import believed_tables, infer, junctions, step_likelihood, watched
 from experiments.maze.planners import (
     PATIENCE,
     Q_SETTINGS,
@@ -47,7 +47,7 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     imitators = Imitators(maze, SEEDS, demonstrations, wander_steps, seed)
     metrics |= _imitation(imitators)
     report(0.18)
-    observers = Imitators(maze, WALKS, demonstrations, 0, seed + 1)
+    observers = Imitators(maze, WALKS, demonstrations, wander_steps, seed + 1)
     metrics |= _intent(observers, smoothing, lambda done: report(0.18 + 0.07 * done))
     found, curves = trials(maze, seed, demonstrations, lambda done: report(0.25 + 0.75 * done))
     metrics |= found
@@ -83,7 +83,7 @@ def _intent(observers: Imitators, smoothing: float, report: Report) -> dict[str,
     body = MazeBody(maze, copies=observers.copies, seed=(observers.seed, 24))
     even, uneven = np.full(goals, 1 / goals), np.full(goals, 0.5 / max(goals - 1, 1))
     uneven[0] = 0.5 if goals > 1 else 1.0
-    crossing = junctions(maze)
+    crossing, tables = junctions(maze), believed_tables(observers.forward_model)
     rows: dict[str, list[float]] = {}
     entropy: dict[str, list[float]] = {}
 
@@ -94,16 +94,20 @@ def _intent(observers: Imitators, smoothing: float, report: Report) -> dict[str,
         walks = demonstrate(body, goal + 1, np.random.default_rng([observers.seed, 25, goal]))
         for k, (walk, priors) in enumerate(zip(walks, observers.priors, strict=True)):
             episode = watched(walk, maze)
+            likelihood = step_likelihood(maze, tables[k], episode)
             at_junction = np.isin(episode.states[:-1], crossing)
             for label, goal_prior in (("", even), ("_uneven_prior", uneven)):
                 seen = infer(priors, episode, goal_prior, smoothing)
+                places_alone = infer(priors, episode, goal_prior, smoothing, likelihood)
                 for name, belief in (
                     ("filter", seen.filtered),
                     ("filter_plain", seen.filtered_plain),
                     ("step", seen.by_step),
+                    ("unseen_filter", places_alone.filtered),
+                    ("unseen_step", places_alone.by_step),
                 ):
                     right = belief.probability.argmax(1) == goal
-                    note(f"intent_{name}_accuracy{label}", float(right.mean() if name == "step" else right[-1]))
+                    note(f"intent_{name}_accuracy{label}", float(right.mean() if name.endswith("step") else right[-1]))
                     note(f"intent_{name}_log_loss{label}", float(-np.log2(belief.probability[:, goal]).mean()))
                     note(f"intent_{name}_uninformed_steps{label}", belief.uninformed_steps)
                     if name == "step":
@@ -143,6 +147,10 @@ def _summary(metrics: dict[str, Any]) -> str:
         "steps per imitation where Eq. (1) is 0/0": both("uninformed_steps"),
         f"intent, filter right at the end, share of {metrics['intent_walks']} walks": "{:.4f}".format(
             metrics["intent_filter_accuracy"]
+        ),
+        "the same, actions unseen": "{:.4f}".format(metrics["intent_unseen_filter_accuracy"]),
+        "right steps by Eq. (2) step by step, actions seen, unseen": "{:.3f}, {:.3f}".format(
+            metrics["intent_step_accuracy"], metrics["intent_unseen_step_accuracy"]
         ),
         "mean log-loss: filter, Eq. (2) step by step, filter that never doubts": "{:.3f}, {:.3f}, {:.3f} bit".format(
             *losses

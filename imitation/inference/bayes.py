@@ -65,8 +65,9 @@ def goal_posterior(
 
     Args:
         likelihood: (..., 1) or (..., G) P(s' | s, a, g); the forward model does not depend on the goal, so an observed
-            action gives one number per row and it cancels. With an unobserved action use `goal_posterior_unobserved`.
-        action_prior: (..., G) P(a | s, g) of the action that was seen.
+            action gives one number per row and it cancels.
+        action_prior: (..., G) P(a | s, g) of the action that was seen; where none was, `unobserved_action` and a
+            likelihood of 1.
         goal_prior: (..., G) P(g), or the posterior of the step before (a filter over time).
         state_given_goal: (..., G) P(s | g); None leaves the factor out (1 for every goal). A filter uses it once.
     """
@@ -77,20 +78,15 @@ def goal_posterior(
     return GoalPosterior(*_normalised(weight))
 
 
-def goal_posterior_unobserved(
-    likelihood: ArrayLike, action_prior: ArrayLike, goal_prior: ArrayLike, state_given_goal: ArrayLike | None = None
-) -> GoalPosterior:
-    """Eq. (2) with the action marginalised: P(g | s, s') = k sum_a P(s' | s, a) P(a | g, s) P(s | g) P(g).
+def unobserved_action(likelihood: ArrayLike, action_prior: ArrayLike) -> FloatArray:
+    """(..., G) P(s' | s, g) = sum_a P(s' | s, a) P(a | g, s): what stands in Eq. (2) where no action was seen.
 
     Args:
         likelihood: (..., A) P(s' | s, a) of what was seen, for every action.
         action_prior: (..., G, A) P(a | s, g).
-        goal_prior: (..., G).
-        state_given_goal: (..., G) or None.
     """
     likely = _checked("likelihood", likelihood)
-    seen = (likely[..., None, :] * _checked("prior over actions", action_prior)).sum(-1)
-    return goal_posterior(np.ones((*seen.shape[:-1], 1)), seen, goal_prior, state_given_goal)
+    return np.asarray((likely[..., None, :] * _checked("prior over actions", action_prior)).sum(-1))
 
 
 def _checked(name: str, values: ArrayLike) -> FloatArray:

@@ -6,6 +6,8 @@ one step is the prior over goals at the next,
     P(g | steps 1 .. t) = k P(a_t | g, s_t) P(g | steps 1 .. t - 1),        P(g | nothing) = k P(s_1 | g) P(g),
 
 so that P(s | g) enters at most once. Multiplying it in at every step would count the same evidence again and again.
+Where only states were seen, actions are marginalised with one's own forward model: P(s_{t+1} | s_t, g) stands in for
+P(a_t | g, s_t) (`step_evidence`).
 """
 
 from typing import NamedTuple
@@ -13,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, IntArray
 from imitation.errors import ImitationError
-from imitation.inference.bayes import GoalPosterior, goal_posterior
+from imitation.inference.bayes import GoalPosterior, goal_posterior, unobserved_action
 
 
 class Intent(NamedTuple):
@@ -34,33 +36,46 @@ class Intent(NamedTuple):
         return int((~self.informed).sum())
 
 
-def intent_by_step(
-    action_prior: FloatArray,
-    goal_prior: FloatArray,
-    state_given_goal: FloatArray | None = None,
-    likelihood: FloatArray | None = None,
-) -> Intent:
+def step_evidence(
+    action_prior: FloatArray, states: IntArray, actions: IntArray | None, likelihood: FloatArray | None = None
+) -> FloatArray:
+    """(T, G) what each step says of each goal: P(a_t | g, s_t), or P(s_{t+1} | s_t, g) where no action was seen.
+
+    Args:
+        action_prior: (G, S, A) P(a | g, s).
+        states: (T,) s_1 .. s_T.
+        actions: (T,) a_1 .. a_T; None where only states were seen.
+        likelihood: (T, A) P(s_{t+1} | s_t, a) of every action, by one's own forward model; needed without actions.
+
+    Raises:
+        ImitationError: neither actions nor a forward model's likelihood.
+    """
+    if actions is not None:
+        return np.asarray(action_prior[:, states, actions].T)
+    if likelihood is None:
+        raise ImitationError("no actions were seen; a forward model's likelihood of each step has to stand in for them")
+    return unobserved_action(likelihood, np.moveaxis(action_prior[:, states], 0, 1))
+
+
+def intent_by_step(evidence: FloatArray, goal_prior: FloatArray, state_given_goal: FloatArray | None = None) -> Intent:
     """Eq. (2) for each step by itself; a step that is 0/0 leaves the prior over goals as it was.
 
     Args:
-        action_prior: (T, G) P(a_t | g, s_t) of the actions that were seen (or, for unobserved actions, the evidence
-            sum_a P(s' | s, a) P(a | g, s)).
+        evidence: (T, G) of `step_evidence`.
         goal_prior: (G,).
         state_given_goal: (T, G) P(s_t | g), or None to leave it out.
-        likelihood: (T, 1) P(s_{t+1} | s_t, a_t); None is 1, which says the same: it does not depend on the goal.
     """
-    likely = np.ones((len(action_prior), 1)) if likelihood is None else likelihood
-    posterior = goal_posterior(likely, action_prior, goal_prior, state_given_goal)
+    posterior = goal_posterior(np.ones((len(evidence), 1)), evidence, goal_prior, state_given_goal)
     return _intent(np.where(posterior.informed[:, None], posterior.probability, goal_prior), posterior.informed)
 
 
 def intent_filter(
-    action_prior: FloatArray, goal_prior: FloatArray, first_state_given_goal: FloatArray | None = None
+    evidence: FloatArray, goal_prior: FloatArray, first_state_given_goal: FloatArray | None = None
 ) -> Intent:
     """The Bayes filter of the module's head; a step that is 0/0 leaves the belief as it was, counted.
 
     Args:
-        action_prior: (T, G) as in `intent_by_step`.
+        evidence: (T, G) of `step_evidence`.
         goal_prior: (G,).
         first_state_given_goal: (G,) P(s_1 | g), used once; None leaves it out.
 
@@ -73,8 +88,8 @@ def intent_filter(
         if not start.informed:
             raise ImitationError("no goal explains where the teacher began; smooth P(s | g) or leave it out")
         belief = start.probability
-    probability, informed = np.empty(action_prior.shape), np.empty(len(action_prior), bool)
-    for t, seen in enumerate(action_prior):
+    probability, informed = np.empty(evidence.shape), np.empty(len(evidence), bool)
+    for t, seen in enumerate(evidence):
         posterior: GoalPosterior = goal_posterior(np.ones(1), seen, belief)
         informed[t] = posterior.informed
         belief = posterior.probability if informed[t] else belief

@@ -178,7 +178,6 @@ class LiveWatch:
         self.system = constant_velocity(dt, acceleration=acceleration, noise=1.0, axes=2)
         self.belief: Belief | None = None
         self.used = 0
-        self._fresh = False
 
     def ahead(self) -> Belief:
         """The belief one tick later, before looking; before the first pose, a broad one."""

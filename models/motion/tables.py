@@ -10,17 +10,12 @@ from typing import IO, Literal
 
 import numpy as np
 
-from models.motion.files import MotionError, text, write
+from models.motion.files import MotionError, write
 from models.motion.trajectory import JointTrajectory
 
 Unit = Literal["rad", "deg"]
 UNITS: dict[str, float] = {"rad": 1.0, "deg": np.pi / 180}
 """Radians in one of each."""
-
-
-def read_table(path: str | os.PathLike[str], unit: Unit | None = None) -> JointTrajectory:
-    """Read a table; `unit` overrules what the file declares. MotionError names the line that is wrong."""
-    return parse_table(text(path), Path(path), unit)
 
 
 def parse_table(content: str, path: Path, unit: Unit | None = None) -> JointTrajectory:

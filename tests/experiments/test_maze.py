@@ -1,6 +1,7 @@
 """`imitate maze` as a user runs it: what it leaves behind, determinism, deferral, and every refusal in one line."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from experiments.__main__ import main
 from experiments.benchmark.maze import rows
 from experiments.maze.imitators import Imitators
 from experiments.maze.learning import CHECKPOINTS, expected_distance, outings, walkers
-from experiments.maze.mind import UNSEEN, infer, junctions, teach, watched
+from experiments.maze.mind import UNSEEN, infer, junctions, step_likelihood, teach, watched
 from experiments.maze.planners import (
     Q_SETTINGS,
     QLearners,
@@ -26,6 +27,7 @@ from experiments.maze.study import study
 from experiments.maze.trials import IMITATION_BUDGETS, reliable_from
 from experiments.shared.experiment import as_json
 from imitation.deferred import load_memory
+from imitation.episodes import Episode
 from imitation.inference.priors import ActionPriors
 from models.maze import TRUE_DYNAMICS, MazeBody, default_maze, parse_maze
 
@@ -109,6 +111,25 @@ def test_watched_walks_of_a_table_are_what_is_imitated(tiny, base, tmp_path):
     base.files["demonstrations.csv"](tmp_path / "walks.csv")
     again = run(Config(maze=tiny, wander_steps=600, seed=5, watch=tmp_path / "walks.csv"))
     assert repr(again.metrics) == repr(base.metrics)
+
+
+def test_intent_from_places_alone_looks_at_no_action(tiny, base):
+    unseen = run(Config(maze=tiny, wander_steps=600, seed=5, actions="unseen")).metrics["intent"]
+    both = base.metrics["intent"]["by_actions"]
+    assert repr(unseen["by_actions"]) == repr(both)  # both are told, whichever is shown
+    assert unseen["filter_end"].tolist() == both["unseen"]["filter_end"].tolist()
+    assert unseen["filter_end"].tolist() != both["seen"]["filter_end"].tolist()
+    maze = parse_maze(TINY)
+    episodes = [watched(walk, maze) for walk in teach(maze, 2, 5)]
+    priors = ActionPriors.learned(episodes, 3, maze.cells, 5)
+    liar = replace(episodes[0], actions=(episodes[0].actions + 1) % 5)
+    likelihood = step_likelihood(maze, TRUE_DYNAMICS, episodes[0])
+    one, other = (infer(priors, e, np.full(3, 1 / 3), 0.1, likelihood).filtered for e in (episodes[0], liar))
+    np.testing.assert_array_equal(one.probability, other.probability)
+    start = maze.number(maze.start)  # below the start is a wall: whoever goes south stays
+    stays = step_likelihood(maze, TRUE_DYNAMICS, Episode(0, np.array([start, start]), np.array([0])))[0]
+    blocked = maze.blocked[start, :4]
+    np.testing.assert_allclose(stays, TRUE_DYNAMICS[:, 4] + TRUE_DYNAMICS[:, :4] @ blocked)
 
 
 def test_no_wandering_is_a_uniform_model_and_said_so(tiny):
@@ -296,7 +317,7 @@ def test_a_small_study_measures_every_claim(text, monkeypatch):
     }
     for module, values in (("study", small), ("trials", budgets)):
         for name, value in values.items():
-            monkeypatch.setattr(f"experiments.maze_{module}.{name}", value)
+            monkeypatch.setattr(f"experiments.maze.{module}.{name}", value)
     maze, told = parse_maze(text), []
     found = study(maze, 0, 2, 100, 0.1, told.append)
     per_goal = {str(goal + 1) for goal in range(len(maze.goals))}
@@ -308,7 +329,7 @@ def test_a_small_study_measures_every_claim(text, monkeypatch):
     for name in ("trials_imitation", "trials_value_iteration", "trials_q_learning"):
         assert set(found.metrics[name]) == per_goal
     assert set(found.metrics["forward_model_tv"]) == set(found.metrics["forward_model_tv_bound"])
-    for rule in ("filter", "step"):
+    for rule in ("filter", "step", "unseen_filter", "unseen_step"):
         assert 0 <= found.metrics[f"intent_{rule}_accuracy"] <= 1 and found.metrics[f"intent_{rule}_log_loss"] >= 0
     assert "NaN" not in as_json(found.metrics) and "trials" in found.figures
     assert sorted(told) == told and told[-1] == pytest.approx(1.0)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from babbling.moves import overridden
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior, goal_posterior, goal_posterior_unobserved
+from imitation.inference.bayes import action_posterior, goal_posterior, unobserved_action
 
 EXACT = 1e-12
 sizes = st.integers(1, 7)
@@ -57,7 +57,7 @@ def test_eq_2_is_the_enumerated_conditional(seed, states, actions, goals, zeros)
     for g in range(goals):
         for b in range(actions):
             hidden[g] += goal_prior[g] * at[g, s] * prior[g, s, b] * forward[s, b, after]
-    found = goal_posterior_unobserved(forward[s, :, after], prior[:, s], goal_prior, at[:, s])
+    found = goal_posterior([1.0], unobserved_action(forward[s, :, after], prior[:, s]), goal_prior, at[:, s])
     assert found.evidence == pytest.approx(hidden.sum(), abs=EXACT)
     np.testing.assert_allclose(found.probability, hidden / hidden.sum() if hidden.sum() else hidden, atol=EXACT)
 
@@ -87,8 +87,8 @@ def test_the_forward_model_cancels_when_the_action_is_observed(seed, actions, go
 
 def test_the_forward_model_matters_when_the_action_is_hidden():
     prior = np.array([[0.9, 0.1], [0.1, 0.9]])
-    sharp = goal_posterior_unobserved([0.9, 0.1], prior, [0.5, 0.5])
-    blunt = goal_posterior_unobserved([0.5, 0.5], prior, [0.5, 0.5])
+    sharp = goal_posterior([1.0], unobserved_action([0.9, 0.1], prior), [0.5, 0.5])
+    blunt = goal_posterior([1.0], unobserved_action([0.5, 0.5], prior), [0.5, 0.5])
     assert sharp.probability[0] > 0.8
     np.testing.assert_allclose(blunt.probability, 0.5, atol=EXACT)
 
@@ -109,7 +109,7 @@ def test_hidden_actions_beside_walls_are_judged_by_the_overridden_model(seed, wa
                 for wanted in range(5):
                     happens = 4 if wanted < 4 and touch[wanted] else wanted
                     joint[g] += (happens == seen) * goal_prior[g] * prior[g, a] * table[a, wanted]
-        found = goal_posterior_unobserved(aware[:, seen], prior, goal_prior)
+        found = goal_posterior([1.0], unobserved_action(aware[:, seen], prior), goal_prior)
         assert bool(found.informed) == (joint.sum() > 0)
         if joint.sum() > 0:
             np.testing.assert_allclose(found.probability, joint / joint.sum(), atol=EXACT)

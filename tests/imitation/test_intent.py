@@ -1,12 +1,14 @@
 """Intent over time: the filter is the posterior given everything seen, by enumeration; nothing is counted twice."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imitation.errors import ImitationError
-from imitation.inference.intent import in_blocks, intent_by_step, intent_filter
+from imitation.inference.intent import in_blocks, intent_by_step, intent_filter, step_evidence
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -32,11 +34,35 @@ def test_step_by_step_each_step_stands_alone(seed, steps, goals):
     joint = seen * here * prior
     found = intent_by_step(seen, prior, here)
     np.testing.assert_allclose(found.probability, joint / joint.sum(1, keepdims=True), atol=1e-12)
-    any_positive = rng.random((steps, 1)) + 0.1
-    again = intent_by_step(seen, prior, here, any_positive)
-    np.testing.assert_allclose(again.probability, found.probability, atol=1e-12)
     order = rng.permutation(steps)
     np.testing.assert_allclose(intent_by_step(seen[order], prior, here[order]).probability, found.probability[order])
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds, st.integers(1, 5), st.integers(1, 4), st.integers(1, 4))
+def test_unseen_actions_are_summed_over_as_enumerating_every_sequence_does(seed, steps, goals, actions):
+    """P(g | s_1 .. s_T+1) over all A^T action sequences that could have been behind the states."""
+    rng = np.random.default_rng(seed)
+    forward, prior = rng.dirichlet(np.ones(4), (4, actions)), rng.dirichlet(np.ones(actions), (goals, 4))
+    states, goal_prior = rng.integers(4, size=steps + 1), rng.dirichlet(np.ones(goals))
+    here, after = states[:-1], states[1:]
+    joint = np.zeros(goals)
+    for sequence in product(range(actions), repeat=steps):
+        did = np.array(sequence)
+        joint += goal_prior * np.prod(prior[:, here, did] * forward[here, did, after], axis=1)
+    likelihood = forward[here, :, after]
+    evidence = step_evidence(prior, here, None, likelihood)
+    found = intent_filter(evidence, goal_prior).probability[-1]
+    np.testing.assert_allclose(found, joint / joint.sum(), atol=1e-12)
+    certain = rng.integers(actions, size=steps)  # a forward model that leaves no doubt which action it was
+    told = np.eye(actions)[certain] * rng.uniform(0.1, 1, (steps, 1))
+    seen, guessed = (
+        intent_by_step(step_evidence(prior, here, certain, None), goal_prior),
+        intent_by_step(step_evidence(prior, here, None, told), goal_prior),
+    )
+    np.testing.assert_allclose(guessed.probability, seen.probability, atol=1e-12)
+    with pytest.raises(ImitationError, match="no actions were seen"):
+        step_evidence(prior, here, None)
 
 
 def test_a_step_no_goal_explains_says_nothing_and_is_counted():

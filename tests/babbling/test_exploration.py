@@ -1,0 +1,41 @@
+"""Ways to explore: inside their range, all over it, the same again with the same seed."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from babbling.exploration import MotorRange, choices, smooth
+
+LOW, HIGH = np.array([0.0, -2.0, 1.0]), np.array([4.0, 1.0, 2.0])
+MOTORS = MotorRange(LOW, HIGH, rest=np.array([2.0, 0.0, 1.0]), speed=(HIGH - LOW) / 0.3, jitter=np.zeros(3))
+
+
+@pytest.mark.parametrize("explore", [smooth, choices])
+def test_an_exploration_stays_in_its_range_and_can_be_repeated(explore) -> None:  # type: ignore[no-untyped-def]
+    def commands(seed: int) -> NDArray[np.float64]:
+        return np.array(list(islice(explore(MOTORS, 4, 0.02, np.random.default_rng(seed)), 400)))
+
+    sent = commands(7)
+    assert sent.shape == (400, 4, 3) and np.isfinite(sent).all()
+    assert (sent >= LOW - 1e-12).all() and (sent <= HIGH + 1e-12).all()
+    assert (np.ptp(sent, axis=(0, 1)) > 0.5 * (HIGH - LOW)).all()  # and it explores
+    np.testing.assert_array_equal(sent, commands(7))
+    assert (sent != commands(8)).any()
+
+
+def test_smooth_moves_keep_to_the_speed_they_are_given() -> None:
+    sent = np.array(list(islice(smooth(MOTORS, 8, 0.02, np.random.default_rng(0)), 2000)))
+    speed = np.abs(np.diff(sent, axis=0)) / 0.02
+    assert (speed <= 1.001 * MOTORS.speed).all()
+    assert (speed.max((0, 1)) > 0.5 * MOTORS.speed).all()  # and it comes near it
+    slow = (speed < 0.1 * MOTORS.speed).mean()
+    assert 0.2 < slow < 0.95  # speeds over two decades
+
+
+def test_choices_are_whole_numbers_each_as_likely() -> None:
+    sent = np.array(list(islice(choices(MOTORS, 50, 1.0, np.random.default_rng(0)), 400)))[..., 0]
+    share = np.bincount(sent.astype(int).ravel(), minlength=5) / sent.size
+    assert (sent == np.round(sent)).all()
+    np.testing.assert_allclose(share, 0.2, atol=4 * np.sqrt(0.16 / sent.size))
