@@ -39,7 +39,7 @@ demo: setup
 	@echo "Look at it: $(BIN)/rerun runs/gesture/recording.rrd"
 
 test: setup
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 
 check: setup
 	$(BIN)/ruff format --check .
