@@ -4,16 +4,15 @@ import io
 import re
 import sys
 from contextlib import redirect_stderr
-from typing import Any
-
-from rich.console import Console
-from rich.markdown import Markdown
+from typing import TYPE_CHECKING
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
 from experiments.registry import EXPERIMENTS, entry
-from experiments.shared.experiment import check_out, folder, publish
 from models.errors import BodyError
+
+if TYPE_CHECKING:
+    from experiments.shared.options import Options
 
 USAGE = "usage: imitate NAME [options] | imitate list | imitate NAME --help"
 
@@ -53,22 +52,27 @@ def listing(*, full: bool) -> None:
 
 def run(name: str, words: list[str]) -> int:
     """Parse options, run, publish, show."""
-    module = entry(name).load()
-    config = parse(module.Config, name, words)
+    one = entry(name)
+    config = parse(one.options(), name, words)
     if config is None:
         return 0
+    config.check()
+    module = one.load()
     if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
         module.command(config)
         return 0
+    from experiments.shared.experiment import check_out, folder, publish
+    from experiments.shared.tables import show
+
     check_out(folder(name, config))
     result = module.run(config)
     out = publish(name, config, result)
-    Console().print(Markdown(result.summary))
+    show(result.summary)
     print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
     return 0
 
 
-def parse(kind: type, name: str, words: list[str]) -> Any:
+def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None":
     """The options as an instance of `kind`; None when only help was wanted.
 
     Raises:

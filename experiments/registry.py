@@ -3,9 +3,13 @@
 from dataclasses import dataclass
 from importlib import import_module
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from experiments.errors import ExperimentError
 from models.errors import unknown
+
+if TYPE_CHECKING:
+    from experiments.shared.options import Options
 
 
 @dataclass(frozen=True)
@@ -15,8 +19,13 @@ class Entry:
     name: str
     line: str
 
+    def options(self) -> "type[Options]":
+        """Its `Config`; help and refusals wait for nothing else."""
+        config: type[Options] = import_module(f"experiments.{self.name}.options").Config
+        return config
+
     def load(self) -> ModuleType:
-        """The module, imported only when it is wanted: help must not wait for physics."""
+        """The module that runs it, imported only when it is wanted: help must not wait for physics."""
         return import_module(f"experiments.{self.name}.run")
 
 

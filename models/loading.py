@@ -41,6 +41,19 @@ ROBOTS: Mapping[str, Robot] = MappingProxyType(
 )
 
 
+def find(name_or_path: str) -> Robot | None:
+    """The registered robot of this name; None for what looks like a path.
+
+    Raises:
+        BodyError: neither.
+    """
+    path = Path(name_or_path)
+    known = name_or_path in ROBOTS
+    if not known and not (path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1 or path.exists()):
+        raise BodyError(unknown("robot", name_or_path, ROBOTS) + ", or the path of an MJCF file")
+    return ROBOTS.get(name_or_path)
+
+
 def load_body(
     name_or_path: str | os.PathLike[str],
     *,
@@ -67,14 +80,12 @@ def load_body(
         BodyError: an unknown name; a file that is missing, too large, does not compile or has no position actuators.
     """
     text = str(name_or_path)
-    if text in ROBOTS:
-        robot = ROBOTS[text]
+    robot = find(text)
+    if robot is not None:
         model, wear, home = compiled(robot.path), robot.wear, robot.home
-    elif Path(text).suffix.lower() in (".xml", ".mjcf") or os.sep in text or Path(text).exists():
+    else:
         model, wear = compiled(Path(text)), Wear()
         home = "home" if "home" in {model.key(k).name for k in range(model.nkey)} else None
-    else:
-        raise BodyError(unknown("robot", text, ROBOTS) + ", or the path of an MJCF file")
     servos(model, text)
     return SimulatedBody(
         model,

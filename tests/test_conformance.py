@@ -24,8 +24,9 @@ from imitation.inference.selection import SELECTION, selection_rule
 from models.errors import BodyError
 from models.loading import ROBOTS, load_body
 from models.motion import FORMATS, MotionError, read_motion
-from models.teachers import DEMONSTRATIONS, perform
 from models.teachers import robots as teaching
+from models.teachers.demonstrations import DEMONSTRATIONS
+from models.teachers.performing import perform
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
@@ -63,25 +64,26 @@ def test_everything_is_described_in_a_line_of_its_own(kind: str) -> None:
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_an_experiment_is_options_and_a_run(name: str) -> None:
-    module = entry(name).load()
+    module, options = entry(name).load(), entry(name).options()
     assert (module.__doc__ or "").strip()
-    assert is_dataclass(module.Config)
-    config = module.Config()
+    assert is_dataclass(options)
+    config = options()
     with pytest.raises(AttributeError):
         config.seed = 1  # frozen
-    assert {"out", "seed"} <= {field.name for field in fields(module.Config)}
+    assert {"out", "seed"} <= {field.name for field in fields(options)}
     assert config.out is None and config.seed == 0
     assert callable(getattr(module, "run", None) or getattr(module, "command", None))
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_every_option_of_an_experiment_is_explained(name: str) -> None:
-    source = ast.parse(inspect.getsource(entry(name).load().Config)).body[0]
-    assert isinstance(source, ast.ClassDef)
-    for statement, following in zip(source.body, [*source.body[1:], None], strict=True):
-        if isinstance(statement, ast.AnnAssign):
-            explained = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
-            assert explained, f"{name}: {ast.unparse(statement.target)} has no line under it"
+    for block in entry(name).options().__mro__[:-1]:
+        source = ast.parse(inspect.getsource(block)).body[0]
+        assert isinstance(source, ast.ClassDef)
+        for statement, following in zip(source.body, [*source.body[1:], None], strict=True):
+            if isinstance(statement, ast.AnnAssign):
+                explained = isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
+                assert explained, f"{name}: {ast.unparse(statement.target)} has no line under it"
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
@@ -89,7 +91,7 @@ def test_help_names_every_option_both_ways(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     one = entry(name)
-    options = [f"--{field.name.replace('_', '-')}" for field in fields(one.load().Config)]
+    options = [f"--{field.name.replace('_', '-')}" for field in fields(one.options())]
     assert main([name, "--help"]) == 0
     shown = capsys.readouterr().out
     assert [option for option in options if option not in shown] == []

@@ -1,39 +1,20 @@
 """A robot babbles and leaves what it learned in a file; interrupted, the same command goes on where it stopped."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.markdown import Markdown
 
 from babbling.storage import check_kind
+from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import learning_curve
 from experiments.gesture.run import curve_metrics
+from experiments.saccades.options import Config as Looking
+from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, try_writing
-from experiments.shared.minds import DEFAULT_MINUTES, BodyOptions, check_minutes, learn_mind, save_learned
+from experiments.shared.minds import learn_mind, save_learned
 from experiments.shared.progress import progress
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate babble`."""
-
-    robot: str = "hoap2"
-    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators; biclops babbles with its eyes, as
-    `imitate saccades` does, and leaves a folder."""
-    babbling_minutes: float = DEFAULT_MINUTES
-    """Body-minutes of babbling, over all copies."""
-    sensor_noise_deg: float = 0.0
-    """Standard deviation of every angle sense, degrees."""
-    scramble: int | None = None
-    """Seed of an unknown wiring between mind and body."""
-    seed: int = 0
-    """Seed of everything random."""
-    threads: int = 2
-    """Worker threads; the result does not depend on it."""
-    out: Path | None = None
-    """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
 
 
 def command(config: Config) -> None:
@@ -44,17 +25,16 @@ def command(config: Config) -> None:
     Raises:
         ExperimentError: the file cannot be written, or an interrupted babble of other options is in the way.
     """
-    if config.robot == "biclops":
+    config.check()
+    if config.sees:
         with_eyes(config)
         return
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
     check_file(out)
-    check_minutes(config.babbling_minutes)
     checkpoint = out.with_name(out.name + ".partial")
-    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
     with progress(f"{config.robot} babbles") as report:
-        learned = learn_mind(options, config.babbling_minutes, report, checkpoint=checkpoint)
-    save_learned(learned, out, options, config.babbling_minutes)
+        learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
+    save_learned(learned, out, config, config.babbling_minutes)
     checkpoint.unlink(missing_ok=True)
     metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
     out.with_suffix(".json").write_text(as_json(metrics))
@@ -102,8 +82,6 @@ def with_eyes(config: Config) -> None:
     Raises:
         ExperimentError: options that a head does not have.
     """
-    from experiments.saccades import run as saccades
-
     if config.sensor_noise_deg or config.scramble is not None:
         raise ExperimentError("--sensor-noise-deg and --scramble are for bodies of many joints; biclops has neither")
     if config.out is not None and config.out.suffix:
@@ -112,8 +90,8 @@ def with_eyes(config: Config) -> None:
         )
     out = config.out or Path("runs") / "biclops"
     check_out(out)
-    looking = saccades.Config(babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
-    result = saccades.run(looking)
+    looking = Looking(babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
+    result = look(looking)
     publish("saccades", looking, result)
     Console().print(Markdown(result.summary))
     print(f"\nwritten to {out}")

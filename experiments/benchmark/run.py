@@ -1,7 +1,6 @@
 """Peers in one table: same body, same babbling, same loop, each inverse model at its best gain; and what it costs."""
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +12,15 @@ from babbling.axes import FloatArray
 from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
 from babbling.mind import Mind
 from experiments.benchmark import maze as maze_benchmark
+from experiments.benchmark.options import Config
 from experiments.benchmark.peers import MLPInverse, have_sklearn
-from experiments.errors import ExperimentError
 from experiments.gesture.figures import learning_curve
 from experiments.gesture.found import TrueAngles
 from experiments.gesture.run import curve_metrics
 from experiments.shared.baselines import direct_replay, replay_commands, rmse_deg
 from experiments.shared.experiment import Result
-from experiments.shared.minds import COPIES, DEFAULT_MINUTES, BodyOptions, Curve, LearningCurve, bare_rate, learn_mind
+from experiments.shared.minds import COPIES, Curve, LearningCurve, bare_rate, body_of, learn_mind
+from experiments.shared.options import BodyOptions
 from experiments.shared.progress import progress
 from experiments.shared.watching import watch
 from imitation.acting.loop import imitate
@@ -30,45 +30,15 @@ from models.body import SimulatedBody
 from models.feedforward import feedforward_angles
 
 
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate benchmark`."""
-
-    demonstrations: tuple[str, ...] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")
-    """What to imitate: built-in names or files."""
-    robot: str = "hoap2"
-    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
-    babbling_minutes: float = DEFAULT_MINUTES
-    """Body-minutes of babbling."""
-    floor: float = 10.0
-    """Also babble this many times as long, for the floor of the learning curve; 0 leaves it out."""
-    attempts: int = 5
-    """Attempts of the discretised Bayesian model."""
-    peers: bool = False
-    """Also the maze's peers (pgmpy, pymdp) where they are installed."""
-    sensor_noise_deg: float = 0.0
-    """Standard deviation of every angle sense, degrees."""
-    scramble: int | None = None
-    """Seed of an unknown wiring."""
-    seed: int = 0
-    """Seed of everything random."""
-    threads: int = 2
-    """Worker threads."""
-    out: Path | None = None
-    """Folder for the results (runs/benchmark)."""
-
-
 def run(config: Config) -> Result:
     """Babble once, imitate with everyone, measure the babble's own speed."""
-    if config.attempts < 1:
-        raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
-    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
-    body = options.body(1, stream=3)
+    config.check()
+    body = body_of(config, 1, stream=3)
     seen = {name: watch(name, body) for name in config.demonstrations}
     with progress("babbling") as report:
-        learned = learn_mind(options, config.babbling_minutes, report)
+        learned = learn_mind(config, config.babbling_minutes, report)
     mind = learned.mind
-    peers = inverse_models(mind, options)
+    peers = inverse_models(mind, config)
     table: dict[str, dict[str, float]] = {}
     metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
     with progress("imitating") as report:
@@ -78,7 +48,7 @@ def run(config: Config) -> Result:
             for peer, inverse in peers.items():
                 if peer not in gains:
                     bayesian = isinstance(inverse, BayesianInverse)
-                    gains[peer] = mind.temper.eagerness if bayesian else best_gain(options, mind, inverse)
+                    gains[peer] = mind.temper.eagerness if bayesian else best_gain(config, mind, inverse)
                 attempts = imitate(
                     body,
                     one.movement,
@@ -102,10 +72,10 @@ def run(config: Config) -> Result:
             table[name] = row
             report((done + 1) / len(seen))
     metrics["rmse_deg"] = table
-    metrics["babbling_efficiency_factor"] = efficiency(options, mind)
+    metrics["babbling_efficiency_factor"] = efficiency(config, mind)
     floor = None
     if config.floor > 0 and learned.curve is not None:
-        floor = curve_floor(options, mind, config.babbling_minutes * config.floor)
+        floor = curve_floor(config, mind, config.babbling_minutes * config.floor)
         metrics["learning_curve_floor_body_minutes"], metrics["learning_curve_floor_deg"] = floor
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
@@ -123,7 +93,7 @@ def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
     }
     models["linear"] = LinearInverse(mind.forward_model)
     if have_sklearn():
-        body = options.body(COPIES)
+        body = body_of(options, COPIES)
         before, motors, after = flat(*experience(body, mind.pilot, options.seed, 0, BOUT_TICKS))
         models["MLP"] = MLPInverse(mind, mind.pilot.reading.transitions(before, motors, after), options.seed)
     return models
@@ -131,7 +101,7 @@ def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
 
 def best_gain(options: BodyOptions, mind: Mind, inverse: InverseModel) -> FloatArray:
     """(F,) eagerness at which this inverse model feels closest in rehearsal."""
-    return best_eagerness(lambda copies: options.body(copies, stream=1), mind, inverse, options.seed)
+    return best_eagerness(lambda copies: body_of(options, copies, stream=1), mind, inverse, options.seed)
 
 
 def true_inverse(body: SimulatedBody, angles: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -143,7 +113,7 @@ def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 2
     """Babbling (exploring, acting, feeling, counting) against bare `mujoco.batch` stepping of the same bodies through
     the same commands, in turn; the median of the rates' ratio.
     """
-    body = options.body(COPIES)
+    body = body_of(options, COPIES)
     model = mind.pilot.forward_model()
     ratios = []
     for number in range(rounds):
@@ -157,7 +127,7 @@ def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 2
 
 def curve_floor(options: BodyOptions, mind: Mind, minutes: float) -> tuple[float, float]:
     """(body-minutes, degrees) held-out error of the same table after a far longer babble."""
-    body = options.body(COPIES)
+    body = body_of(options, COPIES)
     plan = bouts(minutes, body)
     with progress(f"{minutes:.0f} body-minutes for the floor of the learning curve") as report:
         model = babble(body, mind.pilot, plan, options.seed, after_bout=lambda done, so_far: report(done / len(plan)))

@@ -15,49 +15,23 @@ from babbling.pilot import Pilot, pilot
 from babbling.storage import load_mind
 from experiments.correspondence.acts import Acts, act_study
 from experiments.correspondence.figures import figures
+from experiments.correspondence.options import Config
 from experiments.correspondence.recording import record
-from experiments.errors import ExperimentError
 from experiments.shared import minds
 from experiments.shared.experiment import Result
-from experiments.shared.minds import BodyOptions
+from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.options import BodyOptions
 from experiments.shared.progress import progress
 from models.body import SimulatedBody
 from models.mirror import blurred
 from models.retargeting import Retargeted, retarget
-from models.teachers import DEMONSTRATIONS, Performance, perform
+from models.teachers.performance import Performance
+from models.teachers.performing import perform
 
 HIDDEN_S = 1.0
 CURVE_POINTS = 4
 """Of the learning curve, each with half the time of the next."""
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate correspondence`."""
-
-    demonstrations: tuple[str, ...] = tuple(DEMONSTRATIONS)
-    """Teachers to imitate: built-in demonstrations and .amc files."""
-    shown: str = "icub-reach"
-    """Which of them the recording shows; the first one if it is not among them."""
-    seeing_noise_deg: float = 3.0
-    """Standard deviation of every seen direction in the noisy half of the study, degrees."""
-    mirror_minutes: float = 12.0
-    """Body-minutes in front of the mirror, for the longest point of the curve."""
-    acts: int = 200
-    """Single acts for organ identification."""
-    tries: int = 8
-    """Tries at each act."""
-    forward_model: Path | None = None
-    """A forward model that `imitate babble` left, for its body schema; a pilot babble otherwise."""
-    scramble: int | None = None
-    """Seed of an unknown wiring between mind and body."""
-    seed: int = 0
-    """Seed of everything random."""
-    threads: int = 2
-    """Worker threads; the result does not depend on it."""
-    out: Path | None = None
-    """Folder for the results (runs/correspondence)."""
 
 
 @dataclass(frozen=True)
@@ -115,18 +89,17 @@ class Studied:
 
 def run(config: Config) -> Result:
     """Babble in front of the mirror, then be shown everything."""
-    if not config.demonstrations or config.acts < 1 or config.tries < 1:
-        raise ExperimentError("--demonstrations, --acts and --tries: at least one of each is needed")
+    config.check()
     clean, noisy = Eyes(0.0, config.mirror_minutes), Eyes(config.seeing_noise_deg, config.mirror_minutes)
     options = BodyOptions(scramble=config.scramble, seed=config.seed, threads=config.threads)
-    body = options.body(1, stream=13)
+    body = body_of(options, 1, stream=13)
     performances = {name: perform(name) for name in config.demonstrations}
     if config.forward_model is not None:
         mind, _ = load_mind(config.forward_model)
         mind.check(body)
         found = mind.pilot
     else:
-        found = pilot(options.body(minds.COPIES), config.seed)
+        found = pilot(body_of(options, minds.COPIES), config.seed)
     with progress("looks into a mirror") as report:
         experience = look_into_mirror(options, found, clean, report)
     blurry = blur(experience, noisy.noise_deg, config.seed)

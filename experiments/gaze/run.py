@@ -1,7 +1,5 @@
 """A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
 
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +10,7 @@ from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
 from experiments.gaze.infer import Judged, judge, train_preferences
+from experiments.gaze.options import Config
 from experiments.gaze.scene import Episode, episode
 from experiments.gaze.trials import (
     COPIES,
@@ -26,11 +25,10 @@ from experiments.gaze.trials import (
     table_body,
 )
 from experiments.shared.experiment import Result
-from experiments.shared.eyes import EyeOptions, learn_to_look, nursery
+from experiments.shared.eyes import learn_to_look, nursery
 from experiments.shared.progress import progress
 from imitation.gaze.reader import GazeReader, Preferences, calibration_error
 from models.biclops.gaze import BALL_RADIUS, possible
-from models.heads import head_facts
 from models.seeing_body import head_fingerprint
 
 FloatArray = NDArray[np.float64]
@@ -44,48 +42,9 @@ STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100}
 SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
 
 
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate gaze`."""
-
-    robot: str = "biclops"
-    """biclops or hoap2."""
-    study: bool = False
-    """All trials of the figures: 200 clear, 600 of close pairs, 1000 for calibration, 100 of each covered face."""
-    learned_eyes: Path | None = None
-    """eyes.nc of an earlier `imitate saccades`; None babbles anew."""
-    babbling_minutes: float = 15.0
-    """Body-minutes of random saccades, if babbling anew."""
-    objects: str | None = None
-    """Where the toys lie in the recorded episode: x,y;x,y;... in metres ahead and left, 2 to 4 of them."""
-    target: int = 0
-    """Which of them the teacher looks at in the recorded episode; 0 lets chance decide, 1 is the first."""
-    aim_deg: float = 3.0
-    """How exactly a teacher's head points at what it looks at: standard deviation of each axis, degrees."""
-    distance: float = 0.95
-    """m between the heads."""
-    noise: float = 0.02
-    """Pixel noise, standard deviation as a share of full scale."""
-    width: int = 160
-    """Pixels of each retina, across."""
-    height: int = 120
-    """Pixels of each retina, down."""
-    blur: float = 0.0
-    """Standard deviation of a blur, pixels."""
-    fovy_deg: float | None = None
-    """Vertical field of view; None is the robot's own."""
-    renderer: str = "rays"
-    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
-    seed: int = 0
-    """Seed of everything random."""
-    out: Path | None = None
-    """Folder of the results (runs/gaze)."""
-
-    @property
-    def scene(self) -> Scene:
-        """The stage."""
-        eyes = EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
-        return Scene(eyes, self.distance, self.aim_deg)
+def scene_of(config: Config) -> Scene:
+    """The stage."""
+    return Scene(config, config.distance, config.aim_deg)
 
 
 class Found(NamedTuple):
@@ -106,7 +65,7 @@ def run(config: Config) -> Result:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
     layout = _check(config)
-    scene, counts = config.scene, STUDY if config.study else SHORT
+    scene, counts = scene_of(config), STUDY if config.study else SHORT
     mind = _eyes(config)
     with progress("the caregiver mirrors") as report:
         appearance, head = lesson_for_gaze(scene, mind, LESSONS, config.seed, report)
@@ -173,14 +132,8 @@ def run(config: Config) -> Result:
 
 def _check(config: Config) -> FloatArray | None:
     """Refuse options that cannot be meant; the places of the recorded episode, if given."""
-    if config.seed < 0:
-        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
-    if not 0.0 < config.aim_deg <= 20.0:
-        raise ExperimentError(f"--aim-deg {config.aim_deg:g}: more than 0, at most 20 degrees")
-    if not 0.7 <= config.distance <= 1.2:
-        raise ExperimentError(f"--distance {config.distance:g}: a table has room for toys from 0.7 to 1.2 m")
-    head_facts(config.robot)
-    view = config.scene.view()
+    config.check()
+    view = scene_of(config).view()
     if config.objects is None:
         if not 0 <= config.target <= 4:
             raise ExperimentError(f"--target {config.target}: 1 to 4, or 0 for chance")
@@ -211,9 +164,9 @@ def _eyes(config: Config) -> LookingMind:
                 f"--learned-eyes {config.learned_eyes}: these eyes belong to another body (fingerprint "
                 f"{mind.pilot.fingerprint}, {config.robot} has {head_fingerprint(config.robot)})"
             )
-        mind.check(nursery(config.scene.eyes, 0, copies=1))
+        mind.check(nursery(config, 0, copies=1))
         return mind
-    body = nursery(config.scene.eyes, config.seed)
+    body = nursery(config, config.seed)
     with progress("looking about") as report:
         return learn_to_look(body, config.babbling_minutes, config.seed, lambda done, mind: report(done))
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from babbling.sight import LookingMind
 from experiments.shared.caregiver import FACE, NUMBERS, TURN_S, group
-from experiments.shared.eyes import EyeOptions
+from experiments.shared.eyes import retina_of
+from experiments.shared.options import EyeOptions
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import GazeReader, Geometry, Shown
 from imitation.seeing.features import COLOURS
@@ -49,7 +50,7 @@ class Scene:
 
     def view(self) -> View:
         """What the imitator can see of the table."""
-        retina = self.eyes.retina
+        retina = retina_of(self.eyes)
         default = {"biclops": 46.826, "hoap2": 55.0}[self.eyes.robot]
         half_v = np.tan(np.deg2rad(retina.fovy_deg or default) / 2)
         return View(
@@ -88,7 +89,7 @@ def table_body(scene: Scene, copies: int, seed: int, tick_s: float, teacher: boo
     balls = tuple(Ball(name, (0.5, 0.0, 0.02), COLOURS[name], 0.022) for name in TOYS)
     model = stage(scene.eyes.robot, teacher=teacher, distance=scene.distance, balls=balls, card=True).compile()
     body = SeeingBody(
-        model, scene.eyes.robot, Measurer(LABELS), len(LABELS), numbers=NUMBERS, retina=scene.eyes.retina,
+        model, scene.eyes.robot, Measurer(LABELS), len(LABELS), numbers=NUMBERS, retina=retina_of(scene.eyes),
         renderer=scene.eyes.renderer, copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT),
     )  # fmt: skip
     for name in TOYS:

@@ -1,22 +1,19 @@
 """HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
 
 import sys
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.errors import ExperimentError
 from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed, TrueAngles
+from experiments.gesture.options import Config
 from experiments.gesture.recording import record
 from experiments.shared.baselines import direct_replay, rmse_deg
 from experiments.shared.experiment import Result
-from experiments.shared.minds import DEFAULT_MINUTES, BodyOptions, Learned, check_minutes, learn_mind, take_mind
+from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import (
-    MIRROR_MINUTES,
     Eyes,
     correspondence_metrics,
     seen_in_mirror,
@@ -28,68 +25,23 @@ from experiments.shared.watching import Seen, retarget_metrics, watch
 from imitation.acting.loop import Attempt, imitate
 from imitation.acting.rehearsal import best_eagerness
 from imitation.inference.inverse import LinearInverse
-from imitation.inference.selection import selection_rule
 from models.body import SimulatedBody
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate gesture`."""
-
-    demonstration: str = "icub-wave"
-    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles), or .urdf (a
-    robot that performs --motion)."""
-    motion: Path | None = None
-    """Joint angles (.csv, .npz) that a .urdf teacher performs."""
-    correspondence: Literal["learned", "ik"] = "learned"
-    """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
-    selection: str = "mean"
-    """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
-    attempts: int = 1
-    """How often to try; each attempt corrects what the one before missed."""
-    babbling_minutes: float = DEFAULT_MINUTES
-    """Body-minutes of babbling, over all copies."""
-    forward_model: Path | None = None
-    """A forward model that `imitate babble` left; no babbling then."""
-    robot: str = "hoap2"
-    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators."""
-    sensor_noise_deg: float = 0.0
-    """Standard deviation of every angle sense, degrees."""
-    scramble: int | None = None
-    """Seed of an unknown wiring between mind and body."""
-    seeing_noise_deg: float = 0.0
-    """Standard deviation of every seen direction across the line of sight, degrees: in the mirror and of the teacher;
-    for the learned correspondence."""
-    mirror_minutes: float = MIRROR_MINUTES
-    """Body-minutes in front of the mirror."""
-    body_image: Path | None = None
-    """A body image that `imitate correspondence` left; no mirror then."""
-    seed: int = 0
-    """Seed of everything random."""
-    threads: int = 2
-    """Worker threads; the result does not depend on it."""
-    out: Path | None = None
-    """Folder for the results (runs/gesture)."""
 
 
 def run(config: Config) -> Result:
     """Watch, babble, imitate, measure."""
-    options = BodyOptions(config.robot, config.sensor_noise_deg, config.scramble, config.seed, config.threads)
-    if config.attempts < 1:
-        raise ExperimentError(f"--attempts {config.attempts}: at least 1 is needed")
-    selection_rule(config.selection)
-    check_minutes(config.babbling_minutes)
+    config.check()
     eyes = Eyes(config.seeing_noise_deg, config.mirror_minutes)
-    body = options.body(1, stream=3)
-    learned = take_mind(config.forward_model, options) if config.forward_model is not None else None
+    body = body_of(config, 1, stream=3)
+    learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
     seen = watch(config.demonstration, body, config.motion)
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
-            learned = learn_mind(options, config.babbling_minutes, report)
+            learned = learn_mind(config, config.babbling_minutes, report)
     mind = learned.mind
     if config.correspondence == "learned" and seen.performance is not None:
         with progress(f"{config.robot} looks into a mirror") as report:
-            image, cost = take_image(config.body_image, options, mind.pilot, eyes, report)
+            image, cost = take_image(config.body_image, config, mind.pilot, eyes, report)
         learned.metrics.update(cost)
         eye = np.random.default_rng([config.seed, 10])
         frames = len(seen.angles)
@@ -106,7 +58,7 @@ def run(config: Config) -> Result:
         witness=TrueAngles(body),
     )
     line = LinearInverse(mind.forward_model)
-    eagerness = best_eagerness(lambda copies: options.body(copies, stream=1), mind, line, config.seed)
+    eagerness = best_eagerness(lambda copies: body_of(config, copies, stream=1), mind, line, config.seed)
     peer = imitate(
         body,
         seen.movement,

@@ -1,27 +1,23 @@
 """Head imitation without a teacher: nobody was found, or a memory is all there is."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from babbling.storage import load_mind
 from experiments.errors import ExperimentError
+from experiments.head.figures import recalled
+from experiments.head.options import Config
 from experiments.head.recall import reproduce, rms_deg
+from experiments.head.recording import record_recall, record_search
 from experiments.shared.caregiver import Search
 from experiments.shared.experiment import Result
 from imitation.head_memory import load_head_memory
 from models.seeing_body import head_fingerprint, watching_body
 
-if TYPE_CHECKING:
-    from experiments.head.run import Config
-
 
 def nobody(config: Config, looked: Search) -> Result:
     """A search that ended without a face: said clearly, nothing imitated."""
-    from experiments.head.recording import record_search
-
     where = ", ".join(f"{np.rad2deg(pan):.0f}" for pan in looked.pans)
     summary = (
         f"# {config.robot}: no face\n\nNo face was seen in {looked.looks} looks ({where} degrees of pan) and "
@@ -66,9 +62,6 @@ def from_memory(config: Config) -> Result:
         f"# {config.robot} imitates from memory\n\n{memory.name}, {len(memory.pose) * memory.tick_s:.1f} s, remembered "
         f"from {config.memory.name}: reproduced within {away:.3f} deg RMS of what was remembered.\n"
     )
-    from experiments.head.figures import recalled
-    from experiments.head.recording import record_recall
-
     return Result(
         metrics,
         summary,

@@ -1,15 +1,14 @@
 """The recordings of `imitate head`: both eyes, the two heads, demonstrated, estimated and imitated angles."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
+from experiments.head.found import Performed, Seen
+from experiments.head.options import Config
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search, Sequences
 from experiments.shared.eyes_recording import BACKGROUND, FOUND, PREDICTED, log_images, log_points, log_stage
 from experiments.shared.recording import DEMONSTRATED, IMITATED, log_series, recording
@@ -19,10 +18,6 @@ from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
 from models.heads import head_facts, stage
 from models.onlooker import onlook
-
-if TYPE_CHECKING:
-    from experiments.head.found import Performed, Seen
-    from experiments.head.run import Config
 
 FloatArray = NDArray[np.float64]
 AXES = ("pan", "tilt")

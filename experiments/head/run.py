@@ -1,7 +1,6 @@
 """A head watches another head nod, shake and look around, remembers it, and does the same: at once or another day."""
 
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +9,12 @@ from numpy.typing import NDArray
 
 from babbling.mind import Mind, learn
 from babbling.storage import save_mind
-from experiments.errors import ExperimentError
 from experiments.head.alone import from_memory, nobody
+from experiments.head.figures import figures
 from experiments.head.found import Performed, Seen
+from experiments.head.options import Config
 from experiments.head.recall import in_new_process, reproduce, rms_deg
+from experiments.head.recording import record
 from experiments.shared.caregiver import (
     FRAME_S,
     Occlusion,
@@ -25,78 +26,19 @@ from experiments.shared.caregiver import (
     watch_teacher,
 )
 from experiments.shared.experiment import Result
-from experiments.shared.eyes import EyeOptions, reach_of
+from experiments.shared.eyes import reach_of, retina_of
 from experiments.shared.progress import progress
 from imitation.head_memory import HeadMemory, save_head_memory
-from imitation.inference.selection import selection_rule
 from imitation.seeing.pose import Appearance, watch
 from models.biclops.movements import TICK_S, movement
-from models.heads import head_facts
 from models.seeing_body import head_fingerprint, watching_body
 
 FloatArray = NDArray[np.float64]
 
-LESSONS = 400
 STUDY_SEQUENCES = 20
-MOST_SEQUENCES = 64
 MIND_COPIES = 32
 BEFORE = 0.5
 """Share of the way to the teacher at which the card passes."""
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate head`."""
-
-    robot: str = "biclops"
-    """biclops or hoap2."""
-    movement: str = "random"
-    """What the teacher does: nod, shake, look_around or random."""
-    sequences: int = 1
-    """How many such sequences; the first one is recorded."""
-    study: bool = False
-    """20 random sequences."""
-    deferred: bool = False
-    """Imitate in a new process, from the memory file alone, in another room."""
-    memory: Path | None = None
-    """Imitate from the memory file that an earlier run left (its mind.nc beside it), without a teacher."""
-    distance: float = 0.7
-    """m between the heads."""
-    noise: float = 0.02
-    """Pixel noise, standard deviation as a share of full scale."""
-    occlusion_s: float = 0.3
-    """How long a card hides the face, somewhere in each sequence; 0 for none."""
-    width: int = 160
-    """Pixels of each retina, across."""
-    height: int = 120
-    """Pixels of each retina, down."""
-    blur: float = 0.0
-    """Standard deviation of a blur, pixels."""
-    fovy_deg: float | None = None
-    """Vertical field of view; None is the robot's own."""
-    renderer: str = "rays"
-    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
-    babbling_minutes: float = 8.0
-    """Body-minutes of babbling with the neck, over all copies."""
-    lessons: int = LESSONS
-    """Postures that the caregiver mirrors."""
-    selection: str = "mean"
-    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
-    start_pan_deg: float = 0.0
-    """Where the imitator happens to look at first; it searches when it sees no face there."""
-    search_s: float = 12.0
-    """Seconds after which a search for a face is given up."""
-    absent: bool = False
-    """Nobody is there."""
-    seed: int = 0
-    """Seed of everything random."""
-    out: Path | None = None
-    """Folder of the results (runs/head)."""
-
-    @property
-    def eyes(self) -> EyeOptions:
-        """How the eyes see."""
-        return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
 
 
 def run(config: Config) -> Result:
@@ -105,7 +47,8 @@ def run(config: Config) -> Result:
     Raises:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
-    _check(config)
+    config.check()
+    retina_of(config)
     if config.memory is not None:
         return from_memory(config)
     with progress("looking for a face") as report:
@@ -113,7 +56,7 @@ def run(config: Config) -> Result:
     if not looked.found:
         return nobody(config, looked)
     with progress("the caregiver mirrors") as report:
-        appearance = lesson(config.eyes, config.lessons, config.seed, config.distance, report)
+        appearance = lesson(config, config.lessons, config.seed, config.distance, report)
     with progress("babbling with the neck"):
         mind = learn(watching_body(config.robot, copies=MIND_COPIES), minutes=config.babbling_minutes, seed=config.seed)
     with progress("watching") as report:
@@ -132,29 +75,8 @@ def run(config: Config) -> Result:
     return _result(config, looked, appearance, mind, sequences, seen, performed)
 
 
-def _check(config: Config) -> None:
-    if config.seed < 0:
-        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
-    if not 1 <= config.sequences <= MOST_SEQUENCES:
-        raise ExperimentError(f"--sequences {config.sequences}: 1 to {MOST_SEQUENCES} are possible")
-    if not 0.0 <= config.occlusion_s <= 3.0:
-        raise ExperimentError(f"--occlusion-s {config.occlusion_s:g}: 0 to 3 seconds are possible")
-    if not 0.0 < config.search_s <= 120.0:
-        raise ExperimentError(f"--search-s {config.search_s:g}: more than 0, at most 120 seconds")
-    if not 100 <= config.lessons <= 5000:
-        raise ExperimentError(f"--lessons {config.lessons}: 100 to 5000 mirrored postures are possible")
-    if not abs(config.start_pan_deg) <= 90:
-        raise ExperimentError(f"--start-pan-deg {config.start_pan_deg:g}: -90 to 90 degrees are possible")
-    if not 0.4 <= config.distance <= 1.2:
-        raise ExperimentError(f"--distance {config.distance:g}: a face is made out from 0.4 to 1.2 m")
-    _ = config.eyes.retina
-    head_facts(config.robot)
-    selection_rule(config.selection)
-    movement(config.movement, np.random.default_rng(0))
-
-
 def _search(config: Config) -> Search:
-    body = opposite(config.eyes, 1, config.seed + 1, distance=config.distance, tick_s=1.4, teacher=not config.absent)
+    body = opposite(config, 1, config.seed + 1, distance=config.distance, tick_s=1.4, teacher=not config.absent)
     body.reset()
     return search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
 
@@ -168,7 +90,7 @@ def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray]]:
         Occlusion(float(rng.uniform(0.8, len(p) * TICK_S - 0.8)), config.occlusion_s, BEFORE * config.distance)
         for p in paths
     ]
-    body = opposite(config.eyes, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S)
+    body = opposite(config, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S)
     return watch_teacher(body, paths, cards if config.occlusion_s > 0 else None, report), paths
 
 
@@ -240,9 +162,6 @@ def _result(
         "head_raw_replay_rmse_deg": rms_deg([p.replayed for p in performed], truth),
         "deferred": config.deferred,
     }
-    from experiments.head.figures import figures
-    from experiments.head.recording import record
-
     summary = _summary(config, metrics)
     return Result(
         metrics,

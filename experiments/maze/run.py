@@ -4,16 +4,13 @@ The same forward model, Eq. (1) and Eq. (2) as for every other body; the maze is
 """
 
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import tyro
 from matplotlib.figure import Figure
 
 from babbling.axes import Axis, FloatArray
-from babbling.errors import unknown
 from experiments.errors import ExperimentError
 from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
 from experiments.maze.learning import Curve, walkers
@@ -29,6 +26,7 @@ from experiments.maze.mind import (
     walked,
     watched,
 )
+from experiments.maze.options import SEEING, Config
 from experiments.maze.recall import in_new_process, recall
 from experiments.maze.recording import record
 from experiments.shared.experiment import Result
@@ -47,43 +45,7 @@ BLOCK = 8
 UNSEEN_STEPS = 85
 """Length of the chapter's unseen walk."""
 UNSEEN_GOAL = 1
-SEEING = ("seen", "unseen")
-"""What an observer may see of a teacher's actions."""
-MOST_STEPS, MOST_DEMONSTRATIONS, MOST_STUDIED_CELLS = 10_000_000, 1000, 2500
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate maze`."""
-
-    maze: Path | None = None
-    """Drawing of another maze (plain text; models/maze/default.txt shows how); the default is the chapter's."""
-    goal: int = 2
-    """Goal to imitate: 1, 2, 3, ..."""
-    selection: str = "map"
-    """How an action is chosen from its posterior: map or matching."""
-    goal_prior: str = ""
-    """P(goal) for intent inference, such as 0.5,0.25,0.25; by default one half for goal 1, the rest shared."""
-    demonstrations: int = 2
-    """Walks per goal that the teacher shows."""
-    wander_steps: int = 5000
-    """Random steps from which the forward model is learned; 0 leaves it uniform."""
-    actions: str = "seen"
-    """Whether intent is inferred with the teacher's actions seen, or unseen: from its places alone."""
-    smoothing: float = 0.1
-    """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
-    watch: Path | None = None
-    """Table of walks to watch instead of the teacher's (demonstrations.csv of a run shows how)."""
-    memory: Path | None = None
-    """Memory of an earlier run (memory.nc) to imitate from, instead of wandering and watching."""
-    deferred: bool = False
-    """Store what was felt and seen, and imitate from that file in a new process."""
-    study: bool = False
-    """Test the chapter's claims over many seeds (minutes)."""
-    seed: int = 0
-    """Seed of everything random."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the results; default runs/maze."""
+MOST_STUDIED_CELLS = 2500
 
 
 def run(config: Config) -> Result:
@@ -93,6 +55,7 @@ def run(config: Config) -> Result:
         BabblingError: options, a memory or a prior that cannot be used.
         BodyError: a maze or a walk that cannot be used.
     """
+    config.check()
     maze = default_maze() if config.maze is None else read_maze(config.maze)
     goal_prior = _check(config, maze)
     experience, walks, curve = _experience(config, maze)
@@ -166,22 +129,12 @@ def run(config: Config) -> Result:
 
 def _check(config: Config, maze: Maze) -> FloatArray:
     """Refuse options that cannot be meant; returns the goal prior."""
-    if config.seed < 0:
-        raise ExperimentError(f"--seed {config.seed}: seeds are whole numbers from 0")
-    if not 0 <= config.wander_steps <= MOST_STEPS:
-        raise ExperimentError(f"--wander-steps {config.wander_steps}: 0 to {MOST_STEPS} steps are possible")
-    if not 1 <= config.demonstrations <= MOST_DEMONSTRATIONS:
-        raise ExperimentError(f"--demonstrations {config.demonstrations}: 1 to {MOST_DEMONSTRATIONS} are possible")
     if config.study and maze.cells > MOST_STUDIED_CELLS:
         raise ExperimentError(
             f"--study: a maze of {maze.cells} cells; hundreds of learners fit into at most {MOST_STUDIED_CELLS}"
         )
-    if config.memory is not None and config.watch is not None:
-        raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
     goal_place(maze, config.goal)
     check_smoothing(config.smoothing)
-    if config.actions not in SEEING:
-        raise ExperimentError(unknown("way to watch --actions", config.actions, SEEING))
     five = np.full((1, len(ACTIONS)), 1 / len(ACTIONS))  # a rule that refuses categories should do so before the work
     selection_rule(config.selection)(five, Axis.categorical("action", ACTIONS), np.random.default_rng(0))
     goals = len(maze.goals)

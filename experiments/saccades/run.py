@@ -1,8 +1,6 @@
 """A head looks about at random and learns what its movements do to what it sees; then it looks where it wants to."""
 
 import time
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +9,7 @@ from numpy.typing import NDArray
 from babbling.looking_storage import save_looking
 from babbling.reading import Transitions
 from babbling.sight import LookingMind
-from experiments.errors import ExperimentError
+from experiments.saccades.options import Config
 from experiments.saccades.trials import (
     Predicted,
     copied,
@@ -23,7 +21,8 @@ from experiments.saccades.trials import (
     within_reach,
 )
 from experiments.shared.experiment import Result
-from experiments.shared.eyes import COPIES, TOYS, EyeOptions, learn_to_look, nursery, toy_places
+from experiments.shared.eyes import COPIES, TOYS, learn_to_look, nursery, toy_places
+from experiments.shared.options import EyeOptions
 from experiments.shared.progress import progress
 from imitation.gaze.fixation import Fixation, Saccade
 from models.heads import head_facts
@@ -40,41 +39,6 @@ TEST_ROUNDS, STUDY_ROUNDS = 4, 25
 CURVE_POINTS = 12
 ENOUGH = 2
 """Visits after which a toy is no news."""
-
-
-@dataclass(frozen=True)
-class Config:
-    """Options of `imitate saccades`."""
-
-    robot: str = "biclops"
-    """biclops or hoap2."""
-    babbling_minutes: float = 30.0
-    """Body-minutes of random saccades, over all heads; the pilot's come on top."""
-    width: int = 160
-    """Pixels of each retina, across."""
-    height: int = 120
-    """Pixels of each retina, down."""
-    noise: float = 0.02
-    """Pixel noise, standard deviation as a share of full scale."""
-    blur: float = 0.0
-    """Standard deviation of a blur, pixels."""
-    fovy_deg: float | None = None
-    """Vertical field of view; None is the robot's own."""
-    renderer: str = "rays"
-    """rays (no graphics needed) or mujoco (EGL or OSMesa)."""
-    selection: str = "mean"
-    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
-    study: bool = False
-    """Many trials instead of a few."""
-    seed: int = 0
-    """Seed of everything random."""
-    out: Path | None = None
-    """Folder of the results (runs/saccades)."""
-
-    @property
-    def eyes(self) -> EyeOptions:
-        """How the eyes see."""
-        return EyeOptions(self.robot, self.width, self.height, self.noise, self.blur, self.fovy_deg, self.renderer)
 
 
 class Glance(NamedTuple):
@@ -101,27 +65,17 @@ class Curve(NamedTuple):
 
 
 def run(config: Config) -> Result:
-    """Babble with the eyes, then judge."""
-    return babble_eyes(
-        config.eyes, config.babbling_minutes, selection=config.selection, study=config.study, seed=config.seed
-    )
-
-
-def babble_eyes(
-    eyes: EyeOptions, minutes: float, *, selection: str = "mean", study: bool = False, seed: int = 0
-) -> Result:
     """Oculomotor babbling and its figures; the learned eyes are the file `eyes.nc` of the result.
 
     Raises:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
-    if seed < 0:
-        raise ExperimentError(f"--seed {seed}: seeds are whole numbers from 0")
-    head_facts(eyes.robot)
-    body, other = nursery(eyes, seed), nursery(eyes, seed + 1000)
+    config.check()
+    seed, selection = config.seed, config.selection
+    body, other = nursery(config, seed), nursery(config, seed + 1000)
     start = time.perf_counter()
     other.reset()
-    rounds, tests = (STUDY_ROUNDS, STUDY_SACCADES) if study else (TEST_ROUNDS, TEST_SACCADES)
+    rounds, tests = (STUDY_ROUNDS, STUDY_SACCADES) if config.study else (TEST_ROUNDS, TEST_SACCADES)
     curve = Curve([], [], [])
     with progress("looking about") as report:
         unseen: Predicted | None = None
@@ -138,16 +92,16 @@ def babble_eyes(
                 curve.line_px.append(float(unseen.error(copied(mind, unseen)).mean()))
 
         notes: list[Transitions] = []
-        mind = learn_to_look(body, minutes, seed, learned, notes)
+        mind = learn_to_look(body, config.babbling_minutes, seed, learned, notes)
         babble_s = time.perf_counter() - start
         assert unseen is not None
         speed = body.images_per_second()
         fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
-    glances = tour(mind, eyes, selection, seed)
+    glances = tour(mind, config, selection, seed)
     table, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
     straight = unseen.error(straight_lines(mind, body, unseen, seed))
     metrics: dict[str, Any] = {
-        "robot": eyes.robot,
+        "robot": config.robot,
         "babbling_body_minutes": mind.minutes,
         "pilot_body_minutes": mind.pilot.minutes,
         "babbling_transitions": mind.forward_model.transitions,
@@ -174,15 +128,15 @@ def babble_eyes(
     from experiments.saccades.figures import figures
     from experiments.saccades.recording import record
 
-    summary, name = _summary(metrics), f"{eyes.robot} looks about, seed {seed}"
+    summary, name = _summary(metrics), f"{config.robot} looks about, seed {seed}"
     toys = {toy: places[0] for toy, places in zip(TOYS, toy_places(1, seed), strict=True)}
-    seen = onlook(body.model, eyes.robot, np.stack([g.angles for g in glances]), None, toys)
+    seen = onlook(body.model, config.robot, np.stack([g.angles for g in glances]), None, toys)
     return Result(
         metrics,
         summary,
         figures(mind, unseen, expected(mind, unseen), fixated, curve),
-        lambda path: record(path, seen, head_facts(eyes.robot).table, glances, summary, name),
-        {"eyes.nc": lambda path: save_looking(mind, path, robot=eyes.robot, seed=seed)},
+        lambda path: record(path, seen, head_facts(config.robot).table, glances, summary, name),
+        {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=seed)},
     )
 
 

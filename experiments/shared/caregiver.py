@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.shared.eyes import REST, EyeOptions, reach_of
+from experiments.shared.eyes import REST, reach_of, retina_of
+from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Measurer
 from imitation.seeing.pose import Appearance
 from models.biclops.room import Ball
@@ -58,7 +59,7 @@ def opposite(
         Measurer(colours),
         len(colours),
         numbers=NUMBERS,
-        retina=eyes.retina,
+        retina=retina_of(eyes),
         renderer=eyes.renderer,
         copies=copies,
         tick_s=tick_s,

@@ -1,7 +1,7 @@
 """What every experiment is: a configuration, a run, and what it leaves behind.
 
-An experiment is a module of this package with a frozen dataclass `Config` (its first docstring line is its one-line
-description), a function `run(config) -> Result`, and an entry in `experiments.registry.EXPERIMENTS`.
+An experiment is a folder of this package with `options.py` (a dataclass `Config`, light to load), `run.py` (a function
+`run(config) -> Result`), and an entry in `experiments.registry.EXPERIMENTS`.
 """
 
 import json
@@ -13,24 +13,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
-
-import numpy as np
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from experiments.errors import ExperimentError
+from experiments.shared.options import Options
 
-
-class Config(Protocol):
-    """What every configuration has."""
-
-    @property
-    def out(self) -> Path | None:
-        """Folder that receives the results; None is runs/NAME."""
-
-    @property
-    def seed(self) -> int:
-        """Seed of everything random."""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -41,7 +30,7 @@ class Result:
     """Numbers, by name; keys that end in _s, _ms or _factor are timings and may differ between runs."""
     summary: str
     """Markdown: the result as a table, for the terminal and the recording."""
-    figures: Mapping[str, Figure] = field(default_factory=dict)
+    figures: Mapping[str, "Figure"] = field(default_factory=dict)
     """File stem -> figure."""
     record: Callable[[Path], None] | None = None
     """Writes the recording to the path it is given."""
@@ -53,7 +42,7 @@ LARGEST_NOTES = 1 << 20
 LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "xarray", "rerun-sdk", "matplotlib")
 
 
-def publish(name: str, config: Config, result: Result) -> Path:
+def publish(name: str, config: Options, result: Result) -> Path:
     """Write config.json, metrics.json, recording.rrd and figures; everything appears at once, or nothing does.
 
     An older folder is replaced only once the new one is complete; a folder that holds anything but an older result is
@@ -87,7 +76,7 @@ def publish(name: str, config: Config, result: Result) -> Path:
     return shown
 
 
-def folder(name: str, config: Config) -> Path:
+def folder(name: str, config: Options) -> Path:
     """Where the results go."""
     return Path(config.out) if config.out is not None else Path("runs") / name
 
@@ -152,11 +141,11 @@ def _swap(new: Path, out: Path) -> None:
         shutil.rmtree(old, ignore_errors=True)
 
 
-def provenance(name: str, config: Config) -> dict[str, Any]:
+def provenance(name: str, config: Options) -> dict[str, Any]:
     """Resolved options, versions and commit: what is needed to run it again."""
     return {
         "experiment": name,
-        "options": {k: str(v) if isinstance(v, Path) else v for k, v in asdict(config).items()},  # type: ignore[call-overload]
+        "options": {k: str(v) if isinstance(v, Path) else v for k, v in asdict(config).items()},
         "versions": {library: version(library) for library in LIBRARIES},
         "project": version("imitation-laboratory"),
         "commit": _commit(),
@@ -184,12 +173,10 @@ def as_json(value: Any) -> str:
     def plain(x: Any) -> Any:
         if isinstance(x, Mapping):
             return {str(k): plain(v) for k, v in x.items()}
-        if isinstance(x, np.ndarray):
+        if hasattr(x, "tolist"):  # NumPy's
             return plain(x.tolist())
         if isinstance(x, list | tuple):
             return [plain(v) for v in x]
-        if isinstance(x, np.generic):
-            return x.item()
         return x if x is None or isinstance(x, bool | int | float | str) else str(x)
 
     return json.dumps(plain(value), indent=2, allow_nan=False) + "\n"

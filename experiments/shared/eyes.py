@@ -1,7 +1,6 @@
 """Eyes, toys and minds: what the experiments with a seeing head share."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from babbling.loop import BOUT_TICKS, babble
 from babbling.reading import Transitions
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
+from experiments.shared.options import EyeOptions
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
 from models.biclops.room import Ball
@@ -44,22 +44,9 @@ REACH_LOW_TILT = {"hoap2": (-0.24, 0.62)}
 REST = {"biclops": (0.0, 0.0), "hoap2": (0.0, 0.16)}
 
 
-@dataclass(frozen=True)
-class EyeOptions:
-    """How the eyes see; the options that every experiment with eyes has."""
-
-    robot: str = "biclops"
-    width: int = 160
-    height: int = 120
-    noise: float = 0.02
-    blur: float = 0.0
-    fovy_deg: float | None = None
-    renderer: str = "rays"
-
-    @property
-    def retina(self) -> RetinaOptions:
-        """Checked options of both retinas."""
-        return RetinaOptions(self.width, self.height, self.fovy_deg, self.noise, self.blur)
+def retina_of(eyes: EyeOptions) -> RetinaOptions:
+    """Checked options of both retinas."""
+    return RetinaOptions(eyes.width, eyes.height, eyes.fovy_deg, eyes.noise, eyes.blur)
 
 
 def reach_of(robot: str) -> Reach:
@@ -96,7 +83,7 @@ def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
         options.robot,
         Finder(TOYS, LEAST_TOY * (options.height / 120) ** 2),
         len(TOYS),
-        retina=options.retina,
+        retina=retina_of(options),
         renderer=options.renderer,
         copies=copies,
         tick_s=SACCADE_S,

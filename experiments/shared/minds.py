@@ -15,55 +15,25 @@ from babbling.mind import Mind, Temper
 from babbling.pilot import Pilot, pilot
 from babbling.storage import load_mind, save_mind
 from experiments.errors import ExperimentError
+from experiments.shared.options import BodyOptions
 from imitation.acting.rehearsal import rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
 
 COPIES = 64
-DEFAULT_MINUTES = 20.0
-LONGEST_MINUTES = 1e5
 BARE_TICKS = 100
 
 
-@dataclass(frozen=True)
-class BodyOptions:
-    """Which body, and what it feels like."""
-
-    robot: str = "hoap2"
-    noise_deg: float = 0.0
-    scramble: int | None = None
-    seed: int = 0
-    threads: int = 2
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.noise_deg <= 30:
-            raise ExperimentError(f"--sensor-noise-deg {self.noise_deg:g}: it must lie between 0 and 30 degrees")
-        if not 1 <= self.threads <= 256:
-            raise ExperimentError(f"--threads {self.threads}: it must lie between 1 and 256")
-        if self.seed < 0 or (self.scramble is not None and self.scramble < 0):
-            name, value = ("--seed", self.seed) if self.seed < 0 else ("--scramble", self.scramble)
-            raise ExperimentError(f"{name} {value}: it must be 0 or more")
-
-    def body(self, copies: int, stream: int = 0) -> SimulatedBody:
-        """So many copies; `stream` tells apart the sensor noise of different uses."""
-        return load_body(
-            self.robot,
-            copies=copies,
-            threads=self.threads,
-            noise=float(np.deg2rad(self.noise_deg)),
-            scramble=self.scramble,
-            seed=self.seed * 1000 + stream,
-        )
-
-
-def check_minutes(minutes: float) -> None:
-    """Refuse an impossible babbling time before anything is spent on it.
-
-    Raises:
-        ExperimentError: not a number, nothing, or more than anyone can wait for.
-    """
-    if not 0 < minutes <= LONGEST_MINUTES:
-        raise ExperimentError(f"--babbling-minutes {minutes:g}: it must be more than 0 and at most {LONGEST_MINUTES:g}")
+def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody:
+    """So many copies; `stream` tells apart the sensor noise of different uses."""
+    return load_body(
+        options.robot,
+        copies=copies,
+        threads=options.threads,
+        noise=float(np.deg2rad(options.sensor_noise_deg)),
+        scramble=options.scramble,
+        seed=options.seed * 1000 + stream,
+    )
 
 
 @dataclass(frozen=True)
@@ -89,7 +59,7 @@ class Curve:
     """Collects a learning curve while babbling goes on."""
 
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
-        body = options.body(COPIES, stream=2)
+        body = body_of(options, COPIES, stream=2)
         before, motors, after = flat(*experience(body, found, options.seed + 7919, 0, 100))
         seen = found.reading.transitions(before, motors, after)
         self.rate, self.action, self.outcome = seen.context[0], seen.action, seen.outcome
@@ -128,7 +98,7 @@ def learn_mind(
             ends with the same mind.
         curve_every: bouts between two points of the learning curve.
     """
-    body = options.body(COPIES)
+    body = body_of(options, COPIES)
     plan = bouts(minutes, body)
     started = time.perf_counter()
     found, model, first = _resume(checkpoint, body, options, minutes, plan)
@@ -147,7 +117,7 @@ def learn_mind(
             curve.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
         if checkpoint is not None and done < len(plan):
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-            save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.noise_deg)
+            save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.sensor_noise_deg)
         report(0.95 * done / len(plan))
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
@@ -155,7 +125,7 @@ def learn_mind(
     body.reseed(1 + first)
     model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-    mind = rehearse(lambda copies: options.body(copies, stream=1), mind, options.seed)
+    mind = rehearse(lambda copies: body_of(options, copies, stream=1), mind, options.seed)
     report(1.0)
     ticks = sum(plan) - done_ticks
     metrics = {
@@ -192,14 +162,14 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
         BabblingError: see `load_mind` and `Mind.check`.
     """
     mind, _ = load_mind(path)
-    mind.check(options.body(1))
+    mind.check(body_of(options, 1))
     model = mind.forward_model
     per_factor = model.transitions / len(model.factors)
     return Learned(
         mind,
         {
             "babbling_transitions": model.transitions,
-            "babbling_body_minutes": per_factor * options.body(1).tick_s / 60,
+            "babbling_body_minutes": per_factor * body_of(options, 1).tick_s / 60,
             "pilot_body_minutes": mind.pilot.minutes,
             "babbling_wall_s": 0.0,
             "babbling_efficiency_factor": None,  # nobody babbled
@@ -215,7 +185,7 @@ def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: fl
         path,
         robot=options.robot,
         minutes=minutes,
-        noise_deg=options.noise_deg,
+        noise_deg=options.sensor_noise_deg,
         scramble=-1 if options.scramble is None else options.scramble,
     )
 
@@ -233,7 +203,7 @@ def _resume(
         mind.fingerprint == body.fingerprint
         and mind.seed == options.seed
         and float(notes.get("minutes", -1)) == minutes
-        and float(notes.get("noise_deg", -1)) == options.noise_deg
+        and float(notes.get("noise_deg", -1)) == options.sensor_noise_deg
     )
     if not same:
         raise ExperimentError(

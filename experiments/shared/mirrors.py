@@ -16,19 +16,17 @@ from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
 from experiments.errors import ExperimentError
-from experiments.shared.minds import BodyOptions
+from experiments.shared.minds import body_of
+from experiments.shared.options import MIRROR_MINUTES, BodyOptions
 from experiments.shared.watching import Seen
 from imitation.acting.movement import Movement
 from imitation.correspondence.correspondence import SubGoals, correspond
 from models.body import SimulatedBody
 from models.mirror import Mirror, blurred
 from models.retargeting import Retargeted
-from models.teachers import Performance
-from models.teachers.performance import unit
+from models.teachers.performance import Performance, unit
 
 COPIES = 64
-MIRROR_MINUTES = 6.0
-"""Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""
 FloatArray = NDArray[np.float64]
 
 
@@ -38,12 +36,6 @@ class Eyes:
 
     noise_deg: float = 0.0
     minutes: float = MIRROR_MINUTES
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.noise_deg <= 30:
-            raise ExperimentError(f"--seeing-noise-deg {self.noise_deg:g}: it must lie between 0 and 30 degrees")
-        if not 0 < self.minutes <= 600:
-            raise ExperimentError(f"--mirror-minutes {self.minutes:g}: it must be more than 0 and at most 600")
 
 
 @dataclass(frozen=True)
@@ -66,14 +58,14 @@ def look_into_mirror(
     options: BodyOptions, pilot: Pilot, eyes: Eyes, report: Callable[[float], None] = lambda share: None
 ) -> MirrorExperience:
     """Babble in front of the mirror."""
-    body = options.body(COPIES, stream=11)
+    body = body_of(options, COPIES, stream=11)
     mirror = Mirror(body, float(np.deg2rad(eyes.noise_deg)), options.seed)
     return mirror_babble(body, mirror, pilot.schema, pilot.motors, eyes.minutes, options.seed, report)
 
 
 def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -> BodyImage:
     """Organ identification and body image."""
-    body = options.body(1, stream=12)
+    body = body_of(options, 1, stream=12)
     lines = pilot.schema.posture
     rest = body.reset()[0][lines]
     organs = find_organs(experience)
@@ -85,7 +77,7 @@ def take_image(
 ) -> tuple[BodyImage, dict[str, Any]]:
     """A body image from a file, or learned now; and what it cost."""
     if path is not None:
-        image = load_image(path, options.body(1).fingerprint)
+        image = load_image(path, body_of(options, 1).fingerprint)
         return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": 0.0}
     started = time.perf_counter()
     image = image_of(look_into_mirror(options, pilot, eyes, report), options, pilot)

@@ -15,7 +15,9 @@ from models.errors import BodyError
 from models.hoap2.facts import JOINTS
 from models.motion import FORMATS, JointTrajectory, read_motion
 from models.retargeting import Retargeted, retarget
-from models.teachers import Performance, perform
+from models.teachers.performance import Performance
+from models.teachers.performing import perform
+from models.teachers.urdf import perform_urdf, read_urdf, remarks
 
 if TYPE_CHECKING:
     from experiments.shared.mirrors import Corresponded
@@ -71,8 +73,6 @@ def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tu
     Raises:
         BodyError: no motion; a URDF without any limb; a motion of joints it does not have.
     """
-    from models.teachers.urdf import perform_urdf, read_urdf, remarks
-
     if motion is None:
         read_urdf(demonstration)
         raise BodyError(

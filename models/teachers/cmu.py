@@ -4,11 +4,10 @@ import os
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
-from dm_control.suite import humanoid_CMU
-from dm_control.suite.utils import parse_amc
 from numpy.typing import NDArray
 
 from models.teachers.amc import read_amc, write_amc
@@ -26,6 +25,8 @@ def perform_amc(path: str | os.PathLike[str]) -> Performance:
     Frames are kept as captured: Euler angles jump by a turn now and then, and only limb directions, which do not,
     may be put between frames.
     """
+    from dm_control.suite.utils import parse_amc  # takes a second to load
+
     frames = read_amc(path)
     physics = _human()
     with tempfile.TemporaryDirectory() as folder:
@@ -40,11 +41,14 @@ def perform_amc(path: str | os.PathLike[str]) -> Performance:
 
 
 @cache
-def _human() -> humanoid_CMU.Physics:
+def _human() -> Any:
+    """dm_control's human, its physics."""
+    from dm_control.suite import humanoid_CMU
+
     return humanoid_CMU.stand().physics
 
 
-def _poses(physics: humanoid_CMU.Physics, qpos: NDArray[np.float64]) -> BodyPoses:
+def _poses(physics: Any, qpos: NDArray[np.float64]) -> BodyPoses:
     model, data = physics.model.ptr, physics.data.ptr
     landmarks = {f"{side}_{name}": f"{side[0]}{bone}" for side in SIDES for name, bone in ENDS_AT.items()}
     bodies = {name: model.body(bone).id for name, bone in (BODY_OF | landmarks).items()}

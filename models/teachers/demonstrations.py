@@ -1,18 +1,12 @@
-"""Built-in demonstrations: a few postures each, and the minimum-jerk movement through them."""
+"""Built-in demonstrations as data, a few postures each: known without any robot being loaded."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from models.motion.trajectory import JointTrajectory
-from models.teachers import robots
-from models.teachers.anatomy import perform
-from models.teachers.performance import SIDES, Performance
-
-Array = NDArray[np.float64]
-RATE_HZ = 50.0
+from models.errors import unknown
+from models.teachers.performance import SIDES, TeacherError
 
 
 @dataclass(frozen=True)
@@ -178,37 +172,13 @@ DEMONSTRATIONS: dict[str, Demonstration] = {
 """Name -> demonstration."""
 
 
-def perform_builtin(name: str) -> Performance:
-    """What is seen of a built-in demonstration, at RATE_HZ."""
-    return perform_motion(DEMONSTRATIONS[name].robot, joint_motion(name), DEMONSTRATIONS[name].standing_on)
+def find(name_or_path: str | os.PathLike[str]) -> Demonstration | None:
+    """The built-in demonstration of this name; None for what looks like a path.
 
-
-def joint_motion(name: str) -> JointTrajectory:
-    """The teacher's own joint angles in a built-in demonstration, at RATE_HZ."""
-    time, joints, angles = minimum_jerk(DEMONSTRATIONS[name].postures)
-    return JointTrajectory(name, time, joints, angles)
-
-
-def perform_motion(robot: str, trajectory: JointTrajectory, standing_on: str = "left") -> Performance:
-    """What is seen of a robot of models.teachers.robots.ROBOTS that moves like this; joints not named stay at zero."""
-    moving = robots.motion(robot, robots.postures(robot, trajectory), standing_on)
-    return perform(trajectory.name, robot, trajectory.time, moving, robots.reference(robot))
-
-
-def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tuple[Array, tuple[str, ...], Array]:
-    """Times (T,) at RATE_HZ, joint names and angles (T, J) through the postures, resting in each for an instant.
-
-    Between two postures the share of the way gone is 10 s^3 - 15 s^4 + 6 s^5 (Flash and Hogan 1985).
+    Raises:
+        TeacherError: neither.
     """
-    moments = np.array([moment for moment, _ in postures])
-    joints = sorted({joint for _, posture in postures for joint in posture})
-    keys = np.zeros((len(postures), len(joints)))
-    for number, (_, posture) in enumerate(postures):
-        keys[number] = keys[number - 1] if number else 0
-        for joint, angle in posture.items():
-            keys[number, joints.index(joint)] = angle
-    time = np.arange(round(moments[-1] * RATE_HZ) + 1) / RATE_HZ
-    leg = np.clip(np.searchsorted(moments, time, side="right") - 1, 0, len(moments) - 2)
-    share = np.clip((time - moments[leg]) / (moments[leg + 1] - moments[leg]), 0, 1)
-    way = share**3 * (10 - 15 * share + 6 * share**2)
-    return time, tuple(joints), keys[leg] + way[:, None] * (keys[leg + 1] - keys[leg])
+    name, path = str(name_or_path), Path(name_or_path)
+    if name not in DEMONSTRATIONS and not (path.suffix or len(path.parts) > 1 or path.exists()):
+        raise TeacherError(unknown("demonstration", name, DEMONSTRATIONS) + ", or the path of an .amc file")
+    return DEMONSTRATIONS.get(name)

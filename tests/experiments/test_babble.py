@@ -16,6 +16,7 @@ from babbling.storage import load_mind, save_mind
 from experiments.__main__ import main
 from experiments.shared import minds
 from experiments.shared.minds import learn_mind
+from experiments.shared.options import BodyOptions
 
 MINUTES = "1.0"  # three bouts of 8 copies
 
@@ -163,7 +164,7 @@ def test_leftovers_that_are_none(
 
 
 def test_the_learning_curve_is_no_worse_than_the_line(hasty: None, arm: Path) -> None:
-    curve = learn_mind(minds.BodyOptions(str(arm)), 2.0, lambda done: None).curve
+    curve = learn_mind(BodyOptions(robot=str(arm)), 2.0, lambda done: None).curve
     assert curve is not None
     assert (np.diff(curve.minutes) > 0).all()
     assert (curve.table_deg < 1.05 * curve.linear_deg).all()

@@ -228,7 +228,7 @@ def test_pickled_objects_are_refused_and_never_loaded(refused: Refused, arm: Pat
 def test_files_that_are_none(refused: Refused, arm: Path, tmp_path: Path) -> None:
     for name in ("none.csv", "none.npz", "none.amc"):
         said = refused("gesture", "--robot", "hoap2", "--demonstration", tmp_path / name)
-        assert f"{tmp_path / name}: no such file" in said
+        assert f"{tmp_path / name}: there is no such file" in said
     for name in ("folder.csv", "folder.npz", "folder.amc"):
         (tmp_path / name).mkdir()
         assert "is a directory" in refused("gesture", "--demonstration", tmp_path / name)

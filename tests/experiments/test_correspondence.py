@@ -17,13 +17,14 @@ import experiments.shared.mirrors
 from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
-from experiments.shared.minds import BodyOptions
+from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.options import BodyOptions
 from models.body import SimulatedBody
 from models.retargeting import Retargeted, retarget
-from models.teachers import Performance, perform_motion
 from models.teachers.anatomy import BodyPoses, perform
-from models.teachers.demonstrations import joint_motion
+from models.teachers.performance import Performance
+from models.teachers.performing import joint_motion, perform_motion
 from models.teachers.robots import motion, postures, reference
 
 COPIES = 24
@@ -53,7 +54,7 @@ def quick() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def found() -> dict[int | None, Pilot]:
     """Body schemas, straight and scrambled; with dynamics."""
-    return {wiring: pilot(BodyOptions(scramble=wiring).body(8), 0) for wiring in (None, 4)}
+    return {wiring: pilot(body_of(BodyOptions(scramble=wiring), 8), 0) for wiring in (None, 4)}
 
 
 def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performance) -> tuple[Corresponded, Retargeted]:
@@ -109,7 +110,7 @@ def test_size_heading_and_walking_away_change_nothing(
     one = perform("one", "talos", trajectory.time, poses, upright)
     two = perform("two", "talos", trajectory.time, other, grown)
     image = image_of(look_into_mirror(BodyOptions(), found[None], Eyes(0.0, 3.0)), BodyOptions(), found[None])
-    body = BodyOptions().body(1)
+    body = body_of(BodyOptions(), 1)
     a, b = (through_mirror(image, body, found[None], seen, 200, 0.0, np.random.default_rng(0)) for seen in (one, two))
     np.testing.assert_allclose(a.angles, b.angles, atol=np.deg2rad(0.05))
 

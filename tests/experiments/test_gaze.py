@@ -132,7 +132,7 @@ def test_a_teacher_that_looks_at_a_toy_has_it_in_the_middle_of_its_view() -> Non
 
 
 def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
-    view = Scene(Config().scene.eyes, 0.95, 3.0).view()
+    view = Scene(Config(), 0.95, 3.0).view()
     rng = np.random.default_rng(0)
     four = lay_out(rng, 4, 0.95, view, (15.0, 180.0))
     first, second = np.triu_indices(4, 1)
@@ -150,7 +150,7 @@ def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
         ({"objects": "0.5,0.1"}, "2 to 4 are possible"),
         ({"objects": "0.5,0.1;0.5,-0.1", "target": 3}, "there are 2 objects"),
         ({"aim_deg": 0.0}, "at most 20 degrees"),
-        ({"distance": 3.0}, "0.7 to 1.2 m"),
+        ({"distance": 3.0}, "between 0.7 and 1.2 m"),
         ({"width": 0}, "a retina width of 0 pixels"),
         ({"robot": "maze"}, "unknown robot with eyes 'maze'"),
     ],

@@ -123,13 +123,13 @@ def test_nobody_there_is_searched_for_and_then_said() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"sequences": 0}, "1 to 64"),
+        ({"sequences": 0}, "between 1 and 64"),
         ({"width": 0}, "a retina width of 0 pixels"),
         ({"height": 100_000}, "a retina height of 100000 pixels"),
         ({"robot": "biclop"}, "did you mean 'biclops'"),
         ({"movement": "shrug"}, "unknown head movement 'shrug'"),
         ({"selection": "best"}, "unknown selection 'best'"),
-        ({"distance": 5.0}, "0.4 to 1.2 m"),
+        ({"distance": 5.0}, "between 0.4 and 1.2 m"),
         ({"memory": Path("nowhere.nc")}, "no such file"),
     ],
 )

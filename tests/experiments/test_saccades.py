@@ -6,7 +6,8 @@ import pytest
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
 from experiments.saccades.run import Config, run
-from experiments.shared.eyes import APART, TOYS, EyeOptions, learn_to_look, nursery, toy_places
+from experiments.shared.eyes import APART, TOYS, learn_to_look, nursery, retina_of, toy_places
+from experiments.shared.options import EyeOptions
 from imitation.seeing.features import Feature
 from imitation.seeing.finding import Finder, places
 from models.biclops import SCENE
@@ -23,7 +24,7 @@ def body() -> SeeingBody:
 @pytest.mark.parametrize("robot", HEADS)
 def test_eyes_stand_at_one_height_above_the_table(robot: str) -> None:
     model = stage(robot).compile()
-    body = SeeingBody(model, robot, Finder(TOYS), len(TOYS), retina=EyeOptions(width=16, height=12).retina)
+    body = SeeingBody(model, robot, Finder(TOYS), len(TOYS), retina=retina_of(EyeOptions(width=16, height=12)))
     body.reset()
     height = body._view(0).camera("left_eye").xpos[2] - HEADS[robot].table[2]
     assert height == pytest.approx(EYE_HEIGHT, abs=0.003)
@@ -95,7 +96,7 @@ def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:
     [
         ({"width": 0}, "a retina width of 0 pixels"),
         ({"robot": "hoap"}, "did you mean 'hoap2'"),
-        ({"seed": -1}, "whole numbers from 0"),
+        ({"seed": -1}, "it must be 0 or more"),
         ({"renderer": "crayon"}, "unknown renderer 'crayon'"),
         ({"noise": 2.0}, "pixel noise 2"),
     ],

@@ -8,8 +8,9 @@ import pytest
 from dm_control.suite.utils import parse_amc
 
 from models.errors import BodyError
-from models.teachers import PARTS, perform
 from models.teachers.amc import BONES, read_amc, write_amc
+from models.teachers.performance import PARTS
+from models.teachers.performing import perform
 
 CLIPS = ("02_01", "02_05", "02_06", "02_10")
 

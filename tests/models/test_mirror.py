@@ -10,9 +10,11 @@ from models.loading import load_body
 from models.mirror import Mirror, blurred
 from models.motion import JointTrajectory
 from models.retargeting import hoap2_directions
-from models.teachers import DEMONSTRATIONS, PARTS, TeacherError, perform_motion, robots
+from models.teachers import robots
 from models.teachers.acts import LEAST, joints_of, movable, single_act
-from models.teachers.demonstrations import joint_motion
+from models.teachers.demonstrations import DEMONSTRATIONS
+from models.teachers.performance import PARTS, TeacherError
+from models.teachers.performing import joint_motion, perform_motion
 from models.teachers.urdf import perform_urdf, read_urdf, remarks
 
 TOLD_APART_DEG = {"g1": 12.0}

@@ -19,7 +19,9 @@ from models.retargeting.chain import chain, joints, ranges
 from models.retargeting.retarget import LEAST_STIFFNESS, MARGIN
 from models.retargeting.smooth import _within_speed
 from models.retargeting.solve import solve
-from models.teachers import DEMONSTRATIONS, PARTS, Performance, perform, perform_motion
+from models.teachers.demonstrations import DEMONSTRATIONS
+from models.teachers.performance import PARTS, Performance
+from models.teachers.performing import perform, perform_motion
 
 DT = 0.02
 CLIPS = ("02_01", "02_05", "02_06", "02_10")

@@ -10,17 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from models.errors import BodyError
 from models.motion import JointTrajectory
-from models.teachers import (
-    DEMONSTRATIONS,
-    PARTS,
-    Performance,
-    TeacherError,
-    anatomy,
-    perform,
-    perform_motion,
-    robots,
-)
-from models.teachers.demonstrations import joint_motion, minimum_jerk
+from models.teachers import anatomy, robots
+from models.teachers.demonstrations import DEMONSTRATIONS
+from models.teachers.performance import PARTS, Performance, TeacherError
+from models.teachers.performing import joint_motion, minimum_jerk, perform, perform_motion
 
 FORWARD, LEFT, UP = np.eye(3)
 ARMS_AT_ZERO = {"romeo": (FORWARD, FORWARD), "hoap2": (FORWARD, FORWARD), "g1": (-UP, FORWARD)}

@@ -1,0 +1,31 @@
+"""Options of `imitate babble`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from experiments.shared.options import BABBLING_MINUTES, BodyOptions, options
+
+
+@options
+class Config(BodyOptions):
+    """Options of `imitate babble`."""
+
+    robot: str = "hoap2"
+    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators; biclops babbles with its eyes, as
+    `imitate saccades` does, and leaves a folder."""
+    babbling_minutes: float = BABBLING_MINUTES
+    """Body-minutes of babbling, over all copies."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
+
+    @property
+    def sees(self) -> bool:
+        """Whether it is a head that babbles with its eyes."""
+        return self.robot == "biclops"
+
+    def check_robot(self) -> None:
+        """See `BodyOptions`."""
+        if not self.sees:
+            super().check_robot()

@@ -1,0 +1,15 @@
+"""Options of `imitate saccades`."""
+
+from experiments.shared.options import EyeOptions, options
+
+
+@options
+class Config(EyeOptions):
+    """Options of `imitate saccades`."""
+
+    babbling_minutes: float = 30.0
+    """Body-minutes of random saccades, over all heads; the pilot's come on top."""
+    selection: str = "mean"
+    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
+    study: bool = False
+    """Many trials instead of a few."""
