@@ -103,7 +103,7 @@ def measure(
         "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in attempts],
         "direct_replay_rmse_deg": rmse_deg(replayed, seen.angles),
         "linear_peer_rmse_deg": rmse_deg(peer.truth[:, 0], seen.angles),
-        "uninformed_selections": last.uninformed,
+        "uninformed_selections": int(last.uninformed.sum()),
         "selections": last.selections,
         "never_tried_share": float(np.mean(last.familiarity < 1)),
         "mean_entropy_bits": float(last.entropy.mean()),

@@ -6,6 +6,7 @@ Law, per factor with error e_n = goal - believed posture of attempt n, aim u_n, 
     u_{n+1} = S(u* + L e*)      of the best attempt so far (u*, e*)
 
 An attempt that was worse than the best one is not built upon: L is halved and the next one starts from the best again.
+One that lasted longer is better, however large its error; what an early end left undone teaches nothing (e* = 0 there).
 """
 
 from typing import NamedTuple
@@ -21,7 +22,7 @@ SMOOTHING = np.array([1, 4, 6, 4, 1]) / 16
 """Zero-phase kernel over ticks: what changes faster than a few ticks is not an error that aiming can mend."""
 
 
-class Memory(NamedTuple):
+class Practice(NamedTuple):
     """Aim of the next attempt, and the best one so far."""
 
     aim: FloatArray
@@ -29,24 +30,28 @@ class Memory(NamedTuple):
     best_aim: FloatArray
     """(T, B, F)."""
     best_error: FloatArray
-    """(T, B, F) what that aim missed by."""
+    """(T, B, F) what that aim missed by; 0 where it did not come."""
+    lasted: int
+    """Ticks that it lasted."""
     size: FloatArray
-    """(B, F) root mean square of it; infinite before the first attempt."""
+    """(B, F) root mean square of its error; infinite before the first attempt."""
     share: FloatArray
     """(B, F) L."""
 
     @classmethod
-    def empty(cls, ticks: int, copies: int, factors: int) -> "Memory":
+    def empty(cls, ticks: int, copies: int, factors: int) -> "Practice":
         """Before the first attempt: aim at the goals themselves."""
         nothing = np.zeros((ticks, copies, factors))
-        return cls(nothing, nothing, nothing, np.full((copies, factors), np.inf), np.full((copies, factors), SHARE))
+        return cls(nothing, nothing, nothing, 0, np.full((copies, factors), np.inf), np.full((copies, factors), SHARE))
 
-    def after(self, error: FloatArray) -> "Memory":
-        """Having missed by (T, B, F) errors with the present aim."""
-        size = np.sqrt(np.mean(error**2, axis=0))
-        better = size < self.size
+    def after(self, error: FloatArray) -> "Practice":
+        """Having missed by (t, B, F) errors, t <= T, with the present aim; the attempt ended after t ticks."""
+        lasted = len(error)
+        size = np.sqrt(np.mean(error**2, axis=0)) if lasted else np.full_like(self.size, np.inf)
+        better = (lasted > self.lasted) | (lasted == self.lasted) & (size < self.size)
+        missed = np.pad(error, ((0, len(self.aim) - lasted), (0, 0), (0, 0)))
         best_aim = np.where(better, self.aim, self.best_aim)
-        best_error = np.where(better, error, self.best_error)
+        best_error = np.where(better, missed, self.best_error)
         share = np.where(better, self.share, self.share / 2)
         aim = convolve1d(best_aim + share * best_error, SMOOTHING, axis=0, mode="nearest")
-        return Memory(aim, best_aim, best_error, np.minimum(size, self.size), share)
+        return Practice(aim, best_aim, best_error, max(lasted, self.lasted), np.where(better, size, self.size), share)

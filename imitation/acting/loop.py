@@ -1,50 +1,171 @@
 """The match-to-target loop (chapter, Figure 9): believe, compare, choose, act, feel; and again, a little better.
 
-Once per tick: the senses correct the believed state; Eq. (1) is asked for the action that takes it to the next
-sub-goal; the efference copy carries the belief on. From attempt to attempt, what was missed shifts the sub-goals.
+Once per tick (`Imitator.step`): the senses correct the believed state; Eq. (1) is asked for the action that takes it to
+the next sub-goal; the efference copy carries the belief on. From attempt to attempt (`imitate`), what was missed shifts
+the sub-goals.
 """
 
 import time
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.mind import Mind
-from imitation.acting.attempts import Memory
+from imitation.acting.attempts import Practice
 from imitation.acting.belief import StateEstimate
 from imitation.acting.movement import Movement, approach
 from imitation.errors import ImitationError
-from imitation.inference.bayes import ActionPosterior
+from imitation.filters.kalman import Belief
 from imitation.inference.inverse import BayesianInverse, InverseModel
 
 
-class Attempt(NamedTuple):
-    """One attempt, tick by tick; T ticks of the movement (the approach is not kept)."""
+class State(NamedTuple):
+    """All that the next step needs; never changed, so that a step can be taken again or another way."""
+
+    tick: int
+    """Steps taken, those of the approach included."""
+    belief: Belief
+    """What the next senses are expected to correct."""
+    targets: FloatArray
+    """(N + 1, B, F) postures of the approach, of the movement, and one beyond."""
+    pace: FloatArray
+    """(N + 1, B, F) their rate."""
+
+    @property
+    def left(self) -> int:
+        """Steps to the end of the movement."""
+        return len(self.targets) - 1 - self.tick
+
+
+@dataclass(frozen=True, eq=False)
+class Info:
+    """What people look at, of one step."""
+
+    believed: FloatArray
+    """(B, F, 3) posture, rate, bias."""
+    wanted: FloatArray
+    """(B, F) outcome that the inverse model was asked for."""
+    commands: FloatArray
+    """(B, F) commanded postures."""
+    posterior: FloatArray
+    """(B, F, A) Eq. (1); (B, F, 0) for inverse models without beliefs."""
+    evidence: FloatArray
+    """(B, F); (B, 0) without beliefs."""
+    entropy: FloatArray
+    """(B, F) bits; (B, 0) without beliefs."""
+    familiarity: FloatArray
+    """(B, F) visits that the chosen action's row had while babbling (0: never tried here)."""
+    uninformed: NDArray[np.bool_]
+    """(B, F) where the fallback acted."""
+    select_s: FloatArray
+    """() wall time of one selection for all factors and copies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt(Info):
+    """`Info` over the T ticks of the movement that happened (the approach is not kept): T in front of every shape;
+    posterior and familiarity of copy 0 alone, single precision."""
 
     senses: FloatArray
     """(T, B, S) sensations at each sub-goal's time."""
-    believed: FloatArray
-    """(T, B, F, 3) posture, rate, bias."""
-    commands: FloatArray
-    """(T, B, F) commanded postures."""
     truth: FloatArray
     """(T, B, ...) whatever `witness` returned each tick (for those who judge, not for the mind); empty without one."""
-    posterior: FloatArray
-    """(T, F, A) of copy 0, single precision; (T, F, 0) for inverse models without beliefs."""
-    evidence: FloatArray
-    """(T, B, F)."""
-    entropy: FloatArray
-    """(T, B, F) bits."""
-    familiarity: FloatArray
-    """(T, F) of copy 0: visits that the chosen action's row had while babbling (0: never tried here)."""
-    uninformed: int
-    """Selections for which the fallback acted."""
-    selections: int
-    """Selections in all."""
-    select_s: FloatArray
-    """(T,) wall time of one selection for all factors and copies."""
+    ended: str | None
+    """Why it ended early; None where it came to the end."""
+    ended_tick: int
+    """Tick of the movement that was not done any more: T, or negative where it ended while approaching."""
+
+    @property
+    def selections(self) -> int:
+        """Selections in all."""
+        return self.uninformed.size
+
+
+class Imitator:
+    """One movement, to be driven step by step: by `imitate`, by a notebook, by a real robot's own loop.
+
+    Args:
+        mind: what babbling learned.
+        movement: what was seen, in the body's senses, at its tick.
+        selection: selection rule on Eq. (1)'s posterior.
+        inverse: another inverse model in the same loop (peers); default is Eq. (1).
+        eagerness: (F,) or (B, F) share of the believed error to undo within one tick; None is the mind's own temper.
+
+    Raises:
+        ImitationError: a posture that the mind needs was not seen.
+    """
+
+    def __init__(
+        self,
+        mind: Mind,
+        movement: Movement,
+        *,
+        selection: str = "mean",
+        inverse: InverseModel | None = None,
+        eagerness: FloatArray | float | None = None,
+    ) -> None:
+        self.mind, self.tick_s, self.goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
+        self.inverse = inverse or BayesianInverse(mind.forward_model, selection, habit=mind.temper.habit)
+        self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
+        self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics, self.inverse.expect)
+
+    def start(self, senses: FloatArray, aim: ArrayLike = 0.0) -> State:
+        """At rest, feeling (B, S): every copy's own way into the movement.
+
+        Args:
+            senses: what is felt before the first step; `step` is to be given it as well.
+            aim: (T, B, F) offset of each sub-goal.
+        """
+        schema, goals = self.mind.pilot.schema, self.goals[:, None]
+        posture, rate = senses[:, schema.posture], senses[:, schema.rate]
+        shift = np.broadcast_to(aim, (len(goals), *posture.shape))
+        way = approach(posture, self.goals, self.tick_s)
+        # while approaching, the first sub-goal's shift is taken up gradually
+        up = np.linspace(0, 1, len(way))[:, None, None]
+        targets = np.concatenate([way + up * shift[:1], goals + shift])
+        targets = np.concatenate([targets, 2 * targets[-1:] - targets[-2:-1]])  # one beyond: the last own pace
+        pace = np.gradient(targets, self.tick_s, axis=0)
+        targets.flags.writeable = pace.flags.writeable = False
+        return State(0, self.estimate.start(posture, rate), targets, pace)
+
+    def step(self, state: State, senses: FloatArray, rng: np.random.Generator) -> tuple[State, FloatArray, Info]:
+        """One tick: feeling (B, S), the state after it, (B, M) motor commands, and what there is to see.
+
+        Raises:
+            ImitationError: the movement is over.
+        """
+        if not state.left:
+            raise ImitationError(f"step {state.tick + 1} of a movement that ends with step {state.tick}")
+        schema, model, belief = self.mind.pilot.schema, self.mind.forward_model, state.belief
+        if state.tick:  # the first senses made the belief
+            belief = self.estimate.correct(belief, senses[:, schema.posture], senses[:, schema.rate])
+        target, pace = state.targets[state.tick], state.pace[state.tick]
+        posture = target + self.eagerness * (belief.mean[..., 0] - target)
+        rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
+        wanted = state.targets[state.tick + 1] - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
+        clock = time.perf_counter()
+        choice = self.inverse.choose(rate, wanted, rng)
+        clock = time.perf_counter() - clock
+        command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
+        after = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
+        nearest = model.action.hard(choice.action)[..., None]
+        info = Info(
+            believed=belief.mean,
+            wanted=wanted,
+            commands=command,
+            posterior=nothing if choice.posterior is None else choice.posterior.probability,
+            evidence=nothing[:, 0] if choice.posterior is None else choice.posterior.evidence,
+            entropy=nothing[:, 0] if choice.posterior is None else choice.posterior.entropy,
+            familiarity=np.take_along_axis(model.familiarity((rate,)), nearest, -1)[..., 0],
+            uninformed=choice.uninformed,
+            select_s=np.array(clock),
+        )
+        return after, schema.motors(command), info
 
 
 class Witness(Protocol):
@@ -65,19 +186,21 @@ def imitate(
     inverse: InverseModel | None = None,
     eagerness: FloatArray | float | None = None,
     witness: Witness | None = None,
+    ended: Callable[[FloatArray], str | None] = lambda senses: None,
 ) -> list[Attempt]:
-    """Reproduce a movement, `attempts` times.
+    """Reproduce a movement, `attempts` times: the loop around `Imitator.step`.
 
     Args:
         body: the body that babbled (any number of copies; they all do the same, each with its own noise).
         movement: what was seen, in the body's senses, at its tick.
         mind: what babbling learned.
-        selection: selection rule on Eq. (1)'s posterior.
+        selection: see `Imitator`.
         attempts: how often; each later one corrects what the one before missed.
         rng: randomness of matching and of ties.
-        inverse: another inverse model in the same loop (peers); default is Eq. (1).
-        eagerness: (F,) or (B, F) share of the believed error to undo within one tick; None is the mind's own temper.
+        inverse: see `Imitator`.
+        eagerness: see `Imitator`.
         witness: read at every tick.
+        ended: asked with the (B, S) senses before every tick; why to stop there (fell, dropped, timed out), or None.
 
     Raises:
         ImitationError: no attempts, another tick.
@@ -88,84 +211,38 @@ def imitate(
     if abs(movement.tick_s - body.tick_s) > 1e-9:
         raise ImitationError(f"{movement.name} has ticks of {movement.tick_s:g} s, the body of {body.tick_s:g} s")
     mind.check(body)
-    chosen = inverse or BayesianInverse(mind.forward_model, selection, habit=mind.temper.habit)
-    eager = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
-    goals = movement.postures(mind.pilot.schema)
-    memory = Memory.empty(len(goals), body.copies, goals.shape[1])
+    imitator = Imitator(mind, movement, selection=selection, inverse=inverse, eagerness=eagerness)
+    goals = imitator.goals[:, None]
+    practice = Practice.empty(len(goals), body.copies, goals.shape[-1])
     done = []
     for _ in range(attempts):
-        attempt = _attempt(body, goals, memory.aim, mind, chosen, rng, eager, witness)
-        done.append(attempt)
-        memory = memory.after(goals[:, None] - attempt.believed[..., 0])
+        done.append(_attempt(body, imitator, practice.aim, rng, witness, ended))
+        practice = practice.after(goals[: len(done[-1].senses)] - done[-1].believed[..., 0])
     return done
 
 
 def _attempt(
     body: Body,
-    goals: FloatArray,
-    shift: FloatArray,
-    mind: Mind,
-    inverse: InverseModel,
+    imitator: Imitator,
+    aim: FloatArray,
     rng: np.random.Generator,
-    eagerness: FloatArray,
     witness: Witness | None,
+    ended: Callable[[FloatArray], str | None],
 ) -> Attempt:
-    schema, coasting = mind.pilot.schema, mind.pilot.coasting
-    estimate = StateEstimate(schema, mind.pilot.dynamics, inverse.expect)
     felt = body.reset()
-    way = approach(felt[:, schema.posture].mean(0), goals, body.tick_s)
-    lead = len(way)
-    # while approaching, the first sub-goal's shift is taken up gradually
-    up = np.linspace(0, 1, lead)[:, None, None]
-    targets = np.concatenate([way[:, None] + up * shift[:1], goals[:, None] + shift])
-    targets = np.concatenate([targets, 2 * targets[-1:] - targets[-2:-1]])  # one beyond: the movement's own last pace
-    pace = np.gradient(targets, body.tick_s, axis=0)
-    ticks, copies, factors = len(goals), body.copies, goals.shape[1]
-    record: dict[str, list[FloatArray]] = {name: [] for name in Attempt._fields}
-    uninformed = 0
-    belief = estimate.start(felt[:, schema.posture], felt[:, schema.rate])
-    for t in range(lead + ticks):
-        if t:
-            belief = estimate.correct(belief, felt[:, schema.posture], felt[:, schema.rate])
-        posture = targets[t] + eagerness * (belief.mean[..., 0] - targets[t])
-        rate = pace[t] + eagerness * (belief.mean[..., 1] - pace[t])
-        wanted = targets[t + 1] - posture - coasting * rate - belief.mean[..., 2]
-        clock = time.perf_counter()
-        choice = inverse.choose(rate, wanted, rng)
-        clock = time.perf_counter() - clock
-        command = posture + choice.action
-        if t >= lead:
-            record["senses"].append(felt)
-            record["believed"].append(belief.mean)
-            record["commands"].append(command)
-            record["truth"].append(witness.read().copy() if witness else np.zeros((copies, 0)))
-            record["select_s"].append(np.array(clock))
-            uninformed += int(choice.uninformed.sum())
-            _note_beliefs(record, choice.posterior, mind, rate, choice.action)
-        felt = body.act(schema.motors(command))
-        belief = estimate.predict(belief, command)
-    empty = {"posterior": (ticks, factors, 0), "evidence": (ticks, copies, 0), "entropy": (ticks, copies, 0),
-             "familiarity": (ticks, 0)}  # fmt: skip
-    arrays = {
-        name: np.stack(record[name]) if record[name] else np.zeros(empty[name])
-        for name in Attempt._fields
-        if name not in ("uninformed", "selections")
-    }
-    return Attempt(**arrays, uninformed=uninformed, selections=ticks * copies * factors)
-
-
-def _note_beliefs(
-    record: dict[str, list[FloatArray]],
-    posterior: ActionPosterior | None,
-    mind: Mind,
-    rate: FloatArray,
-    action: FloatArray,
-) -> None:
-    if posterior is None:
-        return
-    record["posterior"].append(posterior.probability[0].astype(np.float32))
-    record["evidence"].append(posterior.evidence)
-    record["entropy"].append(posterior.entropy)
-    visits = mind.forward_model.familiarity((rate[0],))
-    nearest = mind.forward_model.action.hard(action[0])
-    record["familiarity"].append(np.take_along_axis(visits, nearest[:, None], -1)[:, 0])
+    state, why = imitator.start(felt, aim), None
+    first, senses, truth, infos = state.left - len(imitator.goals), [], [], list[Info]()
+    while state.left and why is None:
+        why = ended(felt)
+        state, motors, info = imitator.step(state, felt, rng)
+        senses.append(felt)
+        truth.append(witness.read().copy() if witness else np.zeros((body.copies, 0)))
+        # many copies' posteriors would fill the memory
+        infos.append(replace(info, posterior=info.posterior[0].astype(np.float32), familiarity=info.familiarity[0]))
+        if why is None:
+            felt = body.act(motors)
+    end = len(infos) - (why is not None)  # the step that found the end was not done
+    names = [field.name for field in fields(Info)]
+    seen = {name: np.stack([getattr(info, name) for info in infos])[first:end] for name in names}
+    lasted = np.stack(senses)[first:end], np.stack(truth)[first:end]
+    return Attempt(**seen, senses=lasted[0], truth=lasted[1], ended=why, ended_tick=end - first)

@@ -42,7 +42,7 @@ class Movement:
 
 
 def approach(start: FloatArray, goals: FloatArray, tick_s: float) -> FloatArray:
-    """(N, F) way from rest at `start` (F,) into the first of `goals` (T, F), arriving at its pace.
+    """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, F), arriving at its pace.
 
     Law: quintics with given position, velocity and acceleration at both ends (the minimum-jerk paths between moving
     states, Flash and Hogan 1985): from rest to a run-up point, and from rest there into the movement. The run-up is
@@ -51,7 +51,7 @@ def approach(start: FloatArray, goals: FloatArray, tick_s: float) -> FloatArray:
     pace = (-3 * goals[0] + 4 * goals[1] - goals[2]) / (2 * tick_s)
     bend = (goals[0] - 2 * goals[1] + goals[2]) / tick_s**2
     still = np.zeros_like(pace)
-    foot = goals[0] - pace * RUN_UP_S / 2
+    foot = np.broadcast_to(goals[0] - pace * RUN_UP_S / 2, start.shape)
     return np.concatenate(
         [
             _quintic(start, foot, still, still, APPROACH_S, tick_s),
@@ -65,7 +65,7 @@ def _quintic(
 ) -> FloatArray:
     count = round(seconds / tick_s)
     span, pace, bend = end - start, pace * seconds, bend * seconds**2
-    r = (np.arange(count) / count)[:, None]
+    r = (np.arange(count) / count).reshape(-1, *(1,) * start.ndim)
     way: FloatArray = start + (
         (10 * span - 4 * pace + bend / 2) * r**3
         + (-15 * span + 7 * pace - bend) * r**4

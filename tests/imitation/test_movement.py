@@ -1,4 +1,4 @@
-"""Movements and the way into them; the memory of attempts; the temper that rehearsal finds."""
+"""Movements and the way into them; the practice of attempts; the temper that rehearsal finds."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from babbling.axes import FloatArray
 from babbling.schema import BodySchema
-from imitation.acting.attempts import Memory
+from imitation.acting.attempts import Practice
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement, approach
 from imitation.acting.rehearsal import CALM, calmest
 from imitation.errors import ImitationError
@@ -78,22 +78,22 @@ def plant(aim: FloatArray, goals: FloatArray, gain: float, lag: float) -> FloatA
 
 
 @pytest.mark.parametrize(("gain", "lag"), [(0.8, 0.3), (1.2, 0.2), (0.9, 0.6)])
-def test_attempts_come_nearer_and_memory_is_never_worse_than_the_best(gain: float, lag: float) -> None:
+def test_attempts_come_nearer_and_practice_is_never_worse_than_the_best(gain: float, lag: float) -> None:
     t = np.arange(150)[:, None] * TICK
     goals = np.concatenate([0.5 * np.sin(3 * t) + 0.5, np.cos(2 * t)], 1)
-    memory, sizes = Memory.empty(150, 1, 2), []
+    practice, sizes = Practice.empty(150, 1, 2), []
     for _ in range(8):
-        error = goals[:, None] - plant(memory.aim, goals, gain, lag)
+        error = goals[:, None] - plant(practice.aim, goals, gain, lag)
         sizes.append(np.sqrt(np.mean(error**2, axis=0)))
-        memory = memory.after(error)
-        np.testing.assert_allclose(memory.size, np.min(sizes, axis=0))
-    assert (memory.size < 0.25 * sizes[0]).all()
+        practice = practice.after(error)
+        np.testing.assert_allclose(practice.size, np.min(sizes, axis=0))
+    assert (practice.size < 0.25 * sizes[0]).all()
 
 
 def test_an_attempt_that_was_worse_is_not_built_upon() -> None:
     rng = np.random.default_rng(0)
     good, bad = 0.1 * rng.standard_normal((20, 1, 2)), rng.standard_normal((20, 1, 2))
-    first = Memory.empty(20, 1, 2).after(good)
+    first = Practice.empty(20, 1, 2).after(good)
     second = first.after(bad)
     np.testing.assert_array_equal(second.best_aim, first.best_aim)
     np.testing.assert_array_equal(second.best_error, good)
@@ -101,13 +101,29 @@ def test_an_attempt_that_was_worse_is_not_built_upon() -> None:
     np.testing.assert_array_equal(second.share, first.share / 2)
 
 
+def test_lasting_longer_is_better_than_erring_less_and_what_did_not_happen_teaches_nothing() -> None:
+    rng = np.random.default_rng(2)
+    fell = Practice.empty(40, 1, 2).after(0.1 * rng.standard_normal((20, 1, 2)))
+    assert np.abs(fell.aim[:20]).min() > 0 and not fell.aim[22:].any(), "the kernel reaches two ticks"
+    sooner = fell.after(0.01 * rng.standard_normal((5, 1, 2)))
+    np.testing.assert_array_equal(sooner.best_error, fell.best_error)
+    np.testing.assert_array_equal(sooner.share, fell.share / 2)
+    at_once = fell.after(np.zeros((0, 1, 2)))
+    np.testing.assert_array_equal(at_once.aim, sooner.aim)
+    whole = rng.standard_normal((40, 1, 2))
+    later = sooner.after(whole)
+    np.testing.assert_array_equal(later.best_error, whole)
+    np.testing.assert_array_equal(later.best_aim, sooner.aim)
+    assert later.lasted == 40 and (later.size > sooner.size).all()
+
+
 def test_factors_and_copies_remember_apart() -> None:
     rng = np.random.default_rng(1)
     errors = rng.standard_normal((3, 15, 2, 3))
-    whole = Memory.empty(15, 2, 3)
+    whole = Practice.empty(15, 2, 3)
     for error in errors:
         whole = whole.after(error)
-    alone = Memory.empty(15, 1, 1)
+    alone = Practice.empty(15, 1, 1)
     for error in errors:
         alone = alone.after(error[:, 1:, 2:])
     np.testing.assert_array_equal(alone.aim[:, 0, 0], whole.aim[:, 1, 2])
