@@ -104,7 +104,7 @@ def in_place(time: NDArray[np.float64], points: NDArray[np.float64], frames: int
     """(frames, K, 3) teacher's points at the imitator's ticks and size, kept beside it however far it walks."""
     at = np.minimum(np.arange(frames) * tick_s, time[-1])
     flat = points.reshape(len(points), -1)
-    even = np.stack([np.interp(at, time, column) for column in flat.T], 1).reshape(frames, -1, 3)
+    even: NDArray[np.float64] = np.stack([np.interp(at, time, column) for column in flat.T], 1).reshape(frames, -1, 3)
     height = np.quantile(np.ptp(even[..., 2], axis=1), 0.9)
     even = even * (TEACHER_HEIGHT / height)
     even[..., :2] -= even[..., :2].mean(1, keepdims=True)

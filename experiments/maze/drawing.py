@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
 from models.maze import Maze
@@ -45,14 +46,10 @@ def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "blac
 
 def draw_goal(axes: Axes, maze: Maze, goal: int) -> None:
     """The shaded oval of one goal."""
-    style = {"color": GOAL_SHADES[goal - 1], "markeredgecolor": "black", "markeredgewidth": 1.2}
     axes.plot(
-        *maze.goals[goal - 1],
-        "o",
-        markersize=5 + 6 * mark_size(maze),
-        zorder=2.5 if mark_size(maze) == 1 else 4,
-        **style,
-    )
+        *maze.goals[goal - 1], "o", markersize=5 + 6 * mark_size(maze), zorder=2.5 if mark_size(maze) == 1 else 4,
+        color=GOAL_SHADES[goal - 1], markeredgecolor="black", markeredgewidth=1.2,
+    )  # fmt: skip
 
 
 def mark_size(maze: Maze) -> float:
@@ -99,7 +96,7 @@ def _separated(walk: IntArray) -> FloatArray:
     return shifted
 
 
-def _runs(row: np.ndarray) -> list[tuple[int, int]]:  # type: ignore[type-arg]
+def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
     edges = np.diff(np.concatenate([[0], row.astype(int), [0]]))
     return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
 

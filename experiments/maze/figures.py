@@ -136,10 +136,10 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
         axes = figure.add_subplot(grid[i % 2, 1 + i // 2])
         for goal in range(len(maze.goals)):
             if blocks:
-                values, at = in_blocks(probability[:, goal], block), np.arange(0, walk.steps, block) + block / 2
+                values, at = in_blocks(probability[:, goal], block), np.arange(0.0, walk.steps, block) + block / 2
                 at[-1] = (walk.steps - last + walk.steps) / 2
             else:
-                values, at = probability[:, goal], np.arange(1, walk.steps + 1)
+                values, at = probability[:, goal], np.arange(1.0, walk.steps + 1)
             axes.plot(
                 at, values, "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
                 markerfacecolor=GOAL_SHADES[goal], markeredgecolor=GOAL_COLOURS[goal], label=f"Goal {goal + 1}",

@@ -45,7 +45,7 @@ class Experience:
 
     def limit(self, goal: int) -> int:
         """Steps after which an imitation is given up."""
-        return int(PATIENCE * max(5, np.mean([e.steps for e in self.towards(goal)])))
+        return int(PATIENCE * max(5.0, float(np.mean([e.steps for e in self.towards(goal)]))))
 
 
 def teach(maze: Maze, demonstrations: int, seed: int, purpose: int = TEACHING) -> list[Walk]:

@@ -162,7 +162,8 @@ def _log_walk(recording: rr.RecordingStream, world: str, places: FloatArray, ind
     raised = _raised(places, 0.3)
     recording.log(f"{world}/walker", rr.Points3D.from_fields(colors=[DARK.astype(np.uint8)], radii=[0.3]), static=True)
     recording.send_columns(f"{world}/walker", index, rr.Points3D.columns(positions=raised))
-    pieces, shades, sizes = [], [], []
+    pieces: list[FloatArray] = []
+    shades, sizes = [], []
     low = _raised(places, 0.08)
     for t in range(len(places)):
         first = max(0, t - LONGEST_TRAIL)

@@ -75,10 +75,8 @@ def trials(
     until = {
         method: {str(goal): reliable_from(line) for goal, line in lines.items()} for method, lines in curves.items()
     }
-    own = until["imitation"]
-    ratio = {
-        g: None if own[g] is None or until["Q-learning"][g] is None else until["Q-learning"][g] / own[g] for g in own
-    }
+    own, other = until["imitation"], until["Q-learning"]
+    ratio = {g: None if a is None or (b := other[g]) is None else b / a for g, a in own.items()}
     return {
         "trials_imitation": own,
         "trials_imitation_observed_steps": {str(goal): float(np.mean([o[goal] for o in observed])) for goal in goals},

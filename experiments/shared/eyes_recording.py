@@ -39,7 +39,7 @@ def log_points(
     radius: float = 1.2,
 ) -> None:
     """(T, K, 2) pixels, NaN for none: dots that come and go."""
-    stream.log(entity, rr.Points2D.from_fields(colors=[colour], radii=[radius], draw_order=[10.0]), static=True)
+    stream.log(entity, rr.Points2D.from_fields(colors=[colour], radii=[radius], draw_order=10.0), static=True)
     rows = [row[np.isfinite(row[:, 0])] + 0.5 for row in points]
     flat = np.concatenate(rows) if sum(map(len, rows)) else np.zeros((0, 2))
     columns = rr.Points2D.columns(positions=flat).partition([len(row) for row in rows])
