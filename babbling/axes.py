@@ -101,6 +101,14 @@ class Axis:
         """(F,) distance between grid points, in the axis' unit (1 for categories)."""
         return (self.high - self.low) / (self.size - 1) if not self.is_categorical else np.ones(self.factors)
 
+    def same(self, other: "Axis") -> bool:
+        """Whether both are the very same grid."""
+        return self is other or (
+            (self.name, self.size, self.labels) == (other.name, other.size, other.labels)
+            and np.array_equal(self.low, other.low)
+            and np.array_equal(self.high, other.high)
+        )
+
     def hard(self, values: ArrayLike) -> IntArray:
         """(..., F) nearest grid point of (..., F) values; off the axis, the nearest end.
 

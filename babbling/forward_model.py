@@ -308,11 +308,4 @@ class ForwardModel:
 
 def same_axes(one: ForwardModel, other: ForwardModel) -> bool:
     """Whether two forward models share every grid, so that their counts may be added."""
-    return len(one.axes) == len(other.axes) and all(
-        a.name == b.name
-        and a.size == b.size
-        and a.labels == b.labels
-        and np.array_equal(a.low, b.low)
-        and np.array_equal(a.high, b.high)
-        for a, b in zip(one.axes, other.axes, strict=True)
-    )
+    return len(one.axes) == len(other.axes) and all(a.same(b) for a, b in zip(one.axes, other.axes, strict=True))

@@ -1,5 +1,6 @@
 """Peers of the forward model that come from elsewhere."""
 
+from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from babbling.axes import FloatArray
 from babbling.mind import Mind
 from babbling.reading import Transitions
-from imitation.inference.inverse import Choice
+from imitation.inference.inverse import Choice, Term, single
 
 
 def have_sklearn() -> bool:
@@ -36,12 +37,13 @@ class MLPInverse:
         )
         self.net = net.fit(x, (seen.action / self.scale[2])[::step])
 
-    def choose(self, context: FloatArray, outcome: FloatArray, rng: np.random.Generator) -> Choice:
+    def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
         """See `imitation.inference.inverse.InverseModel`."""
-        x = np.concatenate([context / self.scale[0], outcome / self.scale[1]], -1)
-        action: NDArray[np.float64] = self.net.predict(x).reshape(outcome.shape) * self.scale[2]
-        return Choice(action, None, np.zeros(outcome.shape, bool))
+        term = single(terms)
+        x = np.concatenate([term.context[0] / self.scale[0], term.outcome / self.scale[1]], -1)
+        action: NDArray[np.float64] = self.net.predict(x).reshape(term.outcome.shape) * self.scale[2]
+        return Choice(action, None, np.zeros(action.shape, np.int8))
 
-    def expect(self, context: FloatArray, action: FloatArray) -> FloatArray:
+    def expect(self, context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
         """See `imitation.inference.inverse.InverseModel`: the line's expectation; the net has no forward model."""
-        return self.line.predict(context, action)[..., 0]
+        return self.line.predict(*context, action)[..., 0]

@@ -16,8 +16,8 @@ from babbling.schema import BodySchema
 from imitation.filters import kalman
 from imitation.filters.kalman import Belief
 
-Expectation = Callable[[FloatArray, FloatArray], FloatArray]
-"""(B, F) rate and action to (B, F) expected displacement beyond coasting."""
+Expectation = Callable[[tuple[FloatArray, ...], FloatArray], FloatArray]
+"""(B, F) contexts (the rate) and action to (B, F) expected displacement beyond coasting."""
 
 
 class StateEstimate:
@@ -51,7 +51,7 @@ class StateEstimate:
         if self.expectation is not None:
             posture, rate = belief.mean[..., 0], belief.mean[..., 1]
             line = self.dynamics.offset[:, 0] + self.dynamics.control[:, 0] * (command - posture)
-            departure = self.expectation(rate, command - posture) - line
+            departure = self.expectation((rate,), command - posture) - line
             push[..., 0] += departure
             push[..., 1] += self.dynamics.transition[:, 1, 2] * departure
         return kalman.predict(self.system, belief, push)

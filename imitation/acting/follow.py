@@ -17,7 +17,7 @@ from babbling.body import Body
 from babbling.forward_model import ForwardModel
 from babbling.moves import Places, RelativeMoves, relative_move
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior
+from imitation.inference.ladder import CATEGORIES, Rung, descend
 from imitation.inference.selection import Rule, selection_rule
 
 
@@ -130,14 +130,12 @@ def _decide(
     """Eq. (1) and its ladder for (B,) wanted outcomes under (B, A) priors."""
     factors, size = len(forward_model.factors), forward_model.action.size
     likelihood = believed_likelihood(forward_model, outcome.reshape(-1, factors)).reshape(len(outcome), size)
-    bayes, alone = action_posterior(likelihood, prior), action_posterior(likelihood)
-    chance = ~bayes.informed & ~alone.informed
-    posterior = np.where(bayes.informed[:, None], bayes.probability, alone.probability)
-    posterior[chance] = 1.0 / size
-    entropy = np.where(bayes.informed, bayes.entropy, np.where(chance, np.log2(size), alone.entropy))
-    action = rule(posterior, forward_model.action, rng).astype(np.int64)
-    forward_alone = ~bayes.informed & alone.informed
-    return Decisions(outcome, action, posterior, entropy, bayes.evidence, forward_alone, chance, chance)
+    posterior, rung = descend(likelihood, prior, CATEGORIES)
+    action = rule(posterior.probability, forward_model.action, rng).astype(np.int64)
+    alone, chance = rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE
+    return Decisions(
+        outcome, action, posterior.probability, posterior.entropy, posterior.evidence, alone, chance, chance
+    )
 
 
 def _while_active(decided: Decisions, active: NDArray[np.bool_]) -> Decisions:

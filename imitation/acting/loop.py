@@ -21,7 +21,7 @@ from imitation.acting.belief import StateEstimate
 from imitation.acting.movement import Movement, approach
 from imitation.errors import ImitationError
 from imitation.filters.kalman import Belief
-from imitation.inference.inverse import BayesianInverse, InverseModel
+from imitation.inference.inverse import BayesianInverse, InverseModel, Term
 
 
 class State(NamedTuple):
@@ -149,7 +149,7 @@ class Imitator:
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
         wanted = state.targets[state.tick + 1] - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
         clock = time.perf_counter()
-        choice = self.inverse.choose(rate, wanted, rng)
+        choice = self.inverse.choose([Term(model, (rate,), wanted)], rng)
         clock = time.perf_counter() - clock
         command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
         after = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))

@@ -14,7 +14,7 @@ from babbling.axes import Axis, FloatArray
 from babbling.grids import interpolate
 from babbling.looking import Reach
 from babbling.sight import Sight
-from imitation.inference.bayes import ActionPosterior, action_posterior
+from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.selection import selection_rule
 
 CANDIDATES = 1001
@@ -26,7 +26,7 @@ class Saccade(NamedTuple):
 
     change: FloatArray
     """(N, 2) change of posture of each motor, rad."""
-    posterior: tuple[ActionPosterior, ActionPosterior]
+    posterior: tuple[Posterior, Posterior]
     """Of motor 0 and motor 1, (N, A) over their candidates."""
     expected: FloatArray
     """(N, C) where the thing is expected afterwards, pixels from the middle."""
@@ -72,7 +72,7 @@ class Fixation:
 
     def posterior(
         self, motor: int, things: FloatArray, posture: FloatArray, goal: float
-    ) -> tuple[ActionPosterior, FloatArray]:
+    ) -> tuple[Posterior, FloatArray]:
         """Eq. (1) for one motor over its candidates: P(a | s, s' = goal); beside it what the efference copy would do.
 
         The prior is uniform over the changes that stay within reach.

@@ -22,7 +22,7 @@ from babbling.axes import Axis, FloatArray
 from babbling.forward_model import ForwardModel
 from imitation.errors import ImitationError
 from imitation.gaze.fixation import Fixation
-from imitation.inference.bayes import GoalPosterior, goal_posterior
+from imitation.inference.bayes import Posterior, goal_posterior
 
 COVERS = ("eyes free", "eyes covered")
 SEES = ("sees", "does not see")
@@ -139,7 +139,7 @@ class GazeReader:
 
     def read(
         self, pose: FloatArray, places: FloatArray, head: FloatArray, prior: FloatArray, sees: float = 1.0
-    ) -> GoalPosterior:
+    ) -> Posterior:
         """Eq. (2): P(g | pose) over (G, 3) places; with probability 1 - `sees` the pose has nothing to do with them."""
         habit = (1.0 - LAPSE) * self.habit(pose, places, head) + LAPSE * ANYWHERE
         level = habit @ prior

@@ -5,7 +5,9 @@ every action (or goal) is impossible the posterior is 0/0, its row is zero, `inf
 name what it does instead.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,33 +16,33 @@ from babbling.axes import FloatArray
 from imitation.errors import ImitationError
 
 
-class ActionPosterior(NamedTuple):
-    """P(a_t = A_i | s_t, s_{t+1}, s_G): the inverse model, with what it knows about itself."""
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """P(a_t = A_i | s_t, s_{t+1}, s_G) of Eq. (1), or P(s_G = S_k | a_t, s_t, s_{t+1}) of Eq. (2)."""
 
     probability: FloatArray
-    """(..., A) sums to 1 where informed, all zeros where not."""
+    """(..., A) or (..., G) sums to 1 where informed, all zeros where not."""
     evidence: FloatArray
-    """(...) P(s_{t+1} | s_t, s_G) = sum_m P(s_{t+1} | s_t, A_m) P(A_m | s_t, s_G), the 1/c of Eq. (1)."""
-    entropy: FloatArray
-    """(...) -sum_i p_i log2 p_i, bits; 0 where uninformed."""
+    """(...) the normaliser: P(s_{t+1} | s_t, s_G) = sum_m P(s_{t+1} | s_t, A_m) P(A_m | s_t, s_G), the 1/c of Eq. (1),
+    or 1/k_3 of Eq. (2)."""
     informed: NDArray[np.bool_]
     """(...) False where the evidence is zero."""
 
-
-class GoalPosterior(NamedTuple):
-    """P(s_G = S_k | a_t, s_t, s_{t+1}) of Eq. (2)."""
-
-    probability: FloatArray
-    """(..., G) sums to 1 where informed, all zeros where not."""
-    evidence: FloatArray
-    """(...) the normaliser 1/k_3."""
-    entropy: FloatArray
-    """(...) bits; 0 where uninformed."""
-    informed: NDArray[np.bool_]
-    """(...) False where no goal explains what was seen."""
+    @cached_property
+    def entropy(self) -> FloatArray:
+        """(...) `entropy` of the probability."""
+        return entropy(self.probability)
 
 
-def action_posterior(likelihood: ArrayLike, prior: ArrayLike | None = None) -> ActionPosterior:
+def entropy(probability: FloatArray) -> FloatArray:
+    """(...) -sum_i p_i log2 p_i of (..., A), bits; 0 where all are zero."""
+    logs = np.zeros_like(probability)
+    np.log2(probability, out=logs, where=probability > 0)
+    bits: FloatArray = -(probability * logs).sum(-1)
+    return bits
+
+
+def action_posterior(likelihood: ArrayLike, prior: ArrayLike | None = None) -> Posterior:
     """Eq. (1): P(a | s, s', g) = c P(s' | s, a) P(a | s, g).
 
     Args:
@@ -55,12 +57,34 @@ def action_posterior(likelihood: ArrayLike, prior: ArrayLike | None = None) -> A
     likely = _checked("likelihood", likelihood)
     actions = likely.shape[-1]
     weight = np.full(actions, 1.0 / actions) if prior is None else _checked("prior over actions", prior)
-    return ActionPosterior(*_normalised(likely * weight))
+    return _normalised(likely * weight)
+
+
+def joint_likelihood(likelihoods: Sequence[FloatArray], weights: Sequence[ArrayLike]) -> FloatArray:
+    """prod_k P(s'_k | s_k, a)^w_k: several sub-goals that one action should reach, for Eq. (1).
+
+    Args:
+        likelihoods: (..., A) each, of any shapes that broadcast.
+        weights: w_k, (...) each: 1 counts a likelihood as it is, 2 as if it were given twice, 0 leaves it out.
+
+    Raises:
+        ImitationError: a negative or non-finite weight.
+    """
+    joint: FloatArray | None = None
+    for number, (likelihood, given) in enumerate(zip(likelihoods, weights, strict=True)):
+        weight = np.asarray(given, float)
+        if not (np.isfinite(weight) & (weight >= 0)).all():
+            raise ImitationError(f"term {number}: weight {given}; it must be finite and at least 0")
+        powered = likelihood if (weight == 1).all() else likelihood ** weight[..., None]
+        joint = powered if joint is None else joint * powered
+    if joint is None:
+        raise ImitationError("no likelihood: Eq. (1) needs at least one forward model and its sub-goal")
+    return joint
 
 
 def goal_posterior(
     likelihood: ArrayLike, action_prior: ArrayLike, goal_prior: ArrayLike, state_given_goal: ArrayLike | None = None
-) -> GoalPosterior:
+) -> Posterior:
     """Eq. (2): P(g | a, s, s') = k P(s' | s, a, g) P(a | g, s) P(s | g) P(g).
 
     Args:
@@ -75,7 +99,7 @@ def goal_posterior(
     weight = weight * _checked("prior over goals", goal_prior)
     if state_given_goal is not None:
         weight = weight * _checked("P(state | goal)", state_given_goal)
-    return GoalPosterior(*_normalised(weight))
+    return _normalised(weight)
 
 
 def unobserved_action(likelihood: ArrayLike, action_prior: ArrayLike) -> FloatArray:
@@ -97,11 +121,9 @@ def _checked(name: str, values: ArrayLike) -> FloatArray:
     return array
 
 
-def _normalised(joint: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+def _normalised(joint: FloatArray) -> Posterior:
     evidence: FloatArray = joint.sum(-1)
     informed = evidence > 0
     probability = np.zeros_like(joint)
     np.divide(joint, evidence[..., None], out=probability, where=informed[..., None])
-    logs = np.zeros_like(probability)
-    np.log2(probability, out=logs, where=probability > 0)
-    return probability, evidence, -(probability * logs).sum(-1), informed
+    return Posterior(probability, evidence, informed)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
 from imitation.errors import ImitationError
-from imitation.inference.bayes import GoalPosterior, goal_posterior, unobserved_action
+from imitation.inference.bayes import entropy, goal_posterior, unobserved_action
 
 
 class Intent(NamedTuple):
@@ -66,7 +66,8 @@ def intent_by_step(evidence: FloatArray, goal_prior: FloatArray, state_given_goa
         state_given_goal: (T, G) P(s_t | g), or None to leave it out.
     """
     posterior = goal_posterior(np.ones((len(evidence), 1)), evidence, goal_prior, state_given_goal)
-    return _intent(np.where(posterior.informed[:, None], posterior.probability, goal_prior), posterior.informed)
+    probability = np.where(posterior.informed[:, None], posterior.probability, goal_prior)
+    return Intent(probability, entropy(probability), posterior.informed)
 
 
 def intent_filter(
@@ -90,11 +91,11 @@ def intent_filter(
         belief = start.probability
     probability, informed = np.empty(evidence.shape), np.empty(len(evidence), bool)
     for t, seen in enumerate(evidence):
-        posterior: GoalPosterior = goal_posterior(np.ones(1), seen, belief)
+        posterior = goal_posterior(np.ones(1), seen, belief)
         informed[t] = posterior.informed
         belief = posterior.probability if informed[t] else belief
         probability[t] = belief
-    return _intent(probability, informed)
+    return Intent(probability, entropy(probability), informed)
 
 
 def in_blocks(values: FloatArray, length: int) -> FloatArray:
@@ -105,9 +106,3 @@ def in_blocks(values: FloatArray, length: int) -> FloatArray:
     sizes = np.diff([*starts, len(values)]).reshape(-1, *(1,) * (values.ndim - 1))
     means: FloatArray = np.add.reduceat(values, starts, axis=0) / sizes
     return means
-
-
-def _intent(probability: FloatArray, informed: NDArray[np.bool_]) -> Intent:
-    logs = np.zeros_like(probability)
-    np.log2(probability, out=logs, where=probability > 0)
-    return Intent(probability, -(probability * logs).sum(-1), informed)

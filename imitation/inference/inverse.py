@@ -1,19 +1,35 @@
 """Inverse models: from where one is and where one wants to be, to what to do.
 
-`BayesianInverse` is the project's: the forward model turned round by Eq. (1). `LinearInverse` is its honest peer: least
+`BayesianInverse` is the project's: forward models turned round by Eq. (1). `LinearInverse` is its honest peer: least
 squares on the same babbling. Both answer the same question, so the same loop runs either.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import Axis, FloatArray
 from babbling.forward_model import ForwardModel
 from babbling.grids import interpolate
-from imitation.inference.bayes import ActionPosterior, action_posterior
+from imitation.errors import ImitationError
+from imitation.inference.bayes import Posterior, joint_likelihood
+from imitation.inference.ladder import MEASURED, Rung, check_ladder, descend
 from imitation.inference.selection import selection_rule
+
+
+class Term(NamedTuple):
+    """What an action should bring about: one likelihood P(s' | s, a)^w of Eq. (1)."""
+
+    forward_model: ForwardModel
+    """Who knows what actions lead to."""
+    context: tuple[FloatArray, ...]
+    """(B, F) where one is, for each of its context axes."""
+    outcome: FloatArray
+    """(B, F) the sub-goal."""
+    weight: FloatArray | float = 1.0
+    """w, or (F,) of them: 0 leaves the term out, 2 counts it twice."""
 
 
 class Choice(NamedTuple):
@@ -21,32 +37,40 @@ class Choice(NamedTuple):
 
     action: FloatArray
     """(B, F) in the action axis' unit."""
-    posterior: ActionPosterior | None
+    posterior: Posterior | None
     """Eq. (1)'s result, (B, F, A) and (B, F); None for inverse models that have no beliefs."""
-    uninformed: NDArray[np.bool_]
-    """(B, F) where Eq. (1) was 0/0 and the fallback acted."""
+    rung: NDArray[np.int8]
+    """(B, F) the `Rung` of the ladder that decided."""
+
+    @property
+    def uninformed(self) -> NDArray[np.bool_]:
+        """(B, F) where a fallback acted."""
+        return np.not_equal(self.rung, Rung.INVERSE)
 
 
 class InverseModel(Protocol):
     """Chooses actions for all factors of all copies at once."""
 
-    def choose(self, context: FloatArray, outcome: FloatArray, rng: np.random.Generator) -> Choice:
-        """(B, F) context and wanted outcome in, a `Choice` out."""
+    def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
+        """One action for all terms; inverse models that answer a single question refuse several."""
 
-    def expect(self, context: FloatArray, action: FloatArray) -> FloatArray:
-        """(B, F) context and action in, expected outcome out: the forward model behind this inverse."""
+    def expect(self, context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
+        """(B, F) contexts and action in, expected outcome out: the forward model behind this inverse."""
 
 
 class BayesianInverse:
-    """Eq. (1) with a selection rule. Where no action ever led to the sub-goal (0/0), the fallback named *line* acts:
-    the least-squares line of the same experience; such selections are counted by whoever asks.
+    """Eq. (1) with a selection rule: P(a | ...) = c prod_k P(s'_k | s_k, a)^w_k P(a | s, g), and a ladder below it.
 
     Args:
-        forward_model: one context axis, measured.
+        forward_model: of the first term; the habit, the line and what is expected are its own.
         selection: name of a selection rule.
         habit: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habit`); 0 is the
             uniform prior.
         prior: (F, A) prior over actions that replaces the habit.
+        ladder: who decides where Eq. (1) is 0/0 or a term with a weight is off its axes.
+
+    Raises:
+        ImitationError: a ladder that is none, or a line through categories.
     """
 
     def __init__(
@@ -56,42 +80,103 @@ class BayesianInverse:
         *,
         habit: FloatArray | float = 1.0,
         prior: FloatArray | None = None,
+        ladder: Sequence[Rung] = MEASURED,
     ) -> None:
         self.forward_model, self.rule, self.prior = forward_model, selection_rule(selection), prior
-        self.line = LinearInverse(forward_model)
+        self.ladder = check_ladder(ladder)
+        self.line = LinearInverse(forward_model) if Rung.LINE in self.ladder else None
+        table = forward_model.habits()
         exponent = np.broadcast_to(np.asarray(habit, float), (len(forward_model.factors),))
-        table = forward_model.habits() ** exponent[:, None, None]
-        self.habits = table / table.sum(-1, keepdims=True)
+        table = table ** exponent.reshape(-1, *(1,) * (table.ndim - 1))
+        total = table.sum(-1, keepdims=True)
+        self.habits = np.divide(table, total, out=np.zeros_like(table), where=total > 0)
 
-    def choose(self, context: FloatArray, outcome: FloatArray, rng: np.random.Generator) -> Choice:
-        """See `InverseModel`."""
+    def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
+        """See `InverseModel`.
+
+        Raises:
+            ImitationError: terms that do not share their actions and factors, or a term that does not fit its forward
+                model.
+        """
+        self._check(terms)
+        first = terms[0]
         prior = self.prior
         if prior is None:
-            prior = interpolate(self.habits, self.forward_model.contexts, (context,))
-        posterior = action_posterior(self.forward_model.likelihood((context,), outcome), prior)
+            prior = interpolate(self.habits, self.forward_model.contexts, first.context)
+        likelihood = joint_likelihood(
+            [term.forward_model.likelihood(term.context, term.outcome) for term in terms],
+            [term.weight for term in terms],
+        )
+        beyond = np.zeros(first.outcome.shape, bool)
+        for term in terms:
+            beyond |= ~term.forward_model.inside(term.context, term.outcome) & (np.asarray(term.weight) > 0)
+        posterior, rung = descend(likelihood, prior, self.ladder, beyond)
         action = self.rule(posterior.probability, self.forward_model.action, rng)
-        uninformed = ~posterior.informed | ~self.forward_model.inside((context,), outcome)
-        if uninformed.any():
-            action = np.where(uninformed, self.line.choose(context, outcome, rng).action, action)
-        return Choice(action, posterior, uninformed)
+        if self.line is not None and rung.any():
+            action = np.where(rung == Rung.LINE, self.line.choose(terms[:1], rng).action, action)
+        return Choice(action, posterior, rung)
 
-    def expect(self, context: FloatArray, action: FloatArray) -> FloatArray:
+    def expect(self, context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
         """See `InverseModel`."""
-        return self.forward_model.expected((context,), action)
+        return self.forward_model.expected(context, action)
+
+    def _check(self, terms: Sequence[Term]) -> None:
+        if not terms or terms[0].forward_model is not self.forward_model:
+            raise ImitationError("the first term must be of the forward model that this inverse was made of")
+        for number, term in enumerate(terms):
+            model = term.forward_model
+            if not model.action.same(self.forward_model.action):
+                ours, theirs = _described(self.forward_model.action), _described(model.action)
+                raise ImitationError(f"term {number}: actions are {theirs}; those of term 0, {ours}, must be shared")
+            if len(term.context) != len(model.contexts):
+                raise ImitationError(
+                    f"term {number}: {len(term.context)} contexts; its forward model has {len(model.contexts)} "
+                    f"({', '.join(axis.name for axis in model.contexts)})"
+                )
+            shapes = {np.shape(term.outcome), *(np.shape(value) for value in term.context)}
+            if shapes != {np.shape(terms[0].outcome)}:
+                raise ImitationError(
+                    f"term {number}: context and sub-goal have shapes {sorted(shapes)}, the sub-goal of term 0 "
+                    f"{np.shape(terms[0].outcome)}; all must be (copies, {len(model.factors)})"
+                )
 
 
 class LinearInverse:
-    """a = b_0 + b_1 context + b_2 outcome, least squares on the forward model's own experience."""
+    """a = b_0 + sum_i b_i context_i + b outcome, least squares on the forward model's own experience.
+
+    Raises:
+        ImitationError: an axis of categories, through which no line goes.
+    """
 
     def __init__(self, forward_model: ForwardModel) -> None:
+        for axis in forward_model.axes:
+            if axis.is_categorical:
+                raise ImitationError(f"axis {axis.name!r} holds categories, no line goes through them; use CATEGORIES")
         inputs = [*(axis.name for axis in forward_model.contexts), forward_model.outcome.name]
         self.fit = forward_model.moments.fit([forward_model.action.name], inputs)
         self.forward = forward_model.linear()
 
-    def choose(self, context: FloatArray, outcome: FloatArray, rng: np.random.Generator) -> Choice:
+    def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
         """See `InverseModel`."""
-        return Choice(self.fit.predict(context, outcome)[..., 0], None, np.zeros(outcome.shape, bool))
+        term = single(terms)
+        action = self.fit.predict(*term.context, term.outcome)[..., 0]
+        return Choice(action, None, np.zeros(action.shape, np.int8))
 
-    def expect(self, context: FloatArray, action: FloatArray) -> FloatArray:
+    def expect(self, context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
         """See `InverseModel`."""
-        return self.forward.predict(context, action)[..., 0]
+        return self.forward.predict(*context, action)[..., 0]
+
+
+def single(terms: Sequence[Term]) -> Term:
+    """The only term, for inverse models that answer a single question.
+
+    Raises:
+        ImitationError: several terms, or none.
+    """
+    if len(terms) != 1:
+        raise ImitationError(f"{len(terms)} terms: this inverse model answers one; BayesianInverse multiplies several")
+    return terms[0]
+
+
+def _described(axis: Axis) -> str:
+    return f"{axis.name!r}, {axis.size} from {axis.low[0]:g} to {axis.high[0]:g}, {axis.factors} factors"

@@ -102,7 +102,7 @@ def test_an_expectation_on_the_line_changes_nothing_and_off_it_moves_the_predict
     belief = Belief(0.1 * rng.standard_normal((2, 1, 3)), np.eye(3)[None])
     command = np.array([[0.3], [-0.2]])
 
-    def on_it(rate: FloatArray, action: FloatArray) -> FloatArray:
+    def on_it(context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
         return line.offset[:, 0] + line.control[:, 0] * action
 
     plain = StateEstimate(schema(0.1, 1.0), line).predict(belief, command)

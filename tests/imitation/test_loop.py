@@ -1,20 +1,16 @@
-"""The match-to-target loop end to end on a small robot, and Eq. (1) as an inverse model."""
+"""The match-to-target loop end to end on a small robot."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from babbling.axes import Axis
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel
 from babbling.mind import learn
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
 from imitation.acting.rehearsal import EAGERNESS, HABIT, made_up_movement, rehearse
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior
-from imitation.inference.inverse import BayesianInverse, LinearInverse
 from models.loading import load_body
 from models.motion import read_motion
 
@@ -38,47 +34,6 @@ def performed(body, mind, wave, **how):
     how = {"rng": np.random.default_rng(0), "witness": Angles(body), **how}
     attempts = imitate(body, movement, mind, **how)
     return attempts, [np.rad2deg(np.sqrt(np.mean((a.truth[:, 0] - angles) ** 2))) for a in attempts]
-
-
-def test_each_choice_is_eq_1_by_brute_force():
-    rng = np.random.default_rng(0)
-    low = np.array([-1.0, -2.0])
-    axes = [Axis(name, "rad", low, -low, size) for name, size in (("v", 3), ("a", 9), ("w", 11))]
-    model = ForwardModel(axes[:1], axes[1], axes[2], factors=("0", "1"), prior_strength=1.0)
-    v, a = rng.uniform(-1, 1, (2, 500, 2)) * -low
-    model.observe([v], a, np.clip(0.5 * a + 0.1 * v + 0.1 * rng.standard_normal(a.shape), low, -low))
-    context, wanted = axes[0].points[:, 1][None], axes[2].points[:, 7][None]
-    choice = BayesianInverse(model, "mean", habit=1.0).choose(context, wanted, rng)
-    table = model.counts / model.unit + model.prior()
-    for f in range(2):
-        likelihood = np.array([table[f, 1, i, 7] / table[f, 1, i].sum() for i in range(9)])
-        habit = model.habits()[f, 1]
-        joint = [likelihood[i] * habit[i] for i in range(9)]
-        np.testing.assert_allclose(choice.posterior.probability[0, f], np.array(joint) / sum(joint), atol=1e-12)
-        mean = sum(p * x for p, x in zip(joint, axes[1].points[f], strict=True)) / sum(joint)
-        assert choice.action[0, f] == pytest.approx(mean, abs=1e-12)
-    # no habit is the uniform prior; a prior given replaces it
-    plain = BayesianInverse(model, "mean", habit=0.0).choose(context, wanted, rng).posterior
-    uniform = action_posterior(model.likelihood((context,), wanted))
-    np.testing.assert_allclose(plain.probability, uniform.probability, atol=1e-12)
-    sure = np.zeros((2, 9))
-    sure[:, 4] = 1
-    assert BayesianInverse(model, prior=sure).choose(context, wanted, rng).action == pytest.approx(np.zeros((1, 2)))
-
-
-def test_where_nothing_is_known_the_line_acts_and_is_counted():
-    axis = [Axis(name, "rad", np.array([-1.0]), np.array([1.0]), 9) for name in "vaw"]
-    model = ForwardModel(axis[:1], axis[1], axis[2], prior_strength=5.0)
-    rng = np.random.default_rng(0)
-    a = rng.uniform(-1, 1, (300, 1))
-    model.observe([np.zeros((300, 1))], a, 0.5 * a)
-    wanted = np.array([[0.2], [7.0]])  # 7: off the axis
-    choice = BayesianInverse(model).choose(np.zeros((2, 1)), wanted, rng)
-    assert choice.uninformed.tolist() == [[False], [True]]
-    assert choice.action[1, 0] == pytest.approx(
-        LinearInverse(model).choose(np.zeros((1, 1)), wanted[1:], rng).action[0, 0]
-    )
-    assert choice.action[1, 0] == pytest.approx(14, rel=0.01)
 
 
 def test_the_arm_does_what_it_saw(arm, arm_mind, wave):

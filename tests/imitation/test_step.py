@@ -9,7 +9,7 @@ from imitation.acting.belief import StateEstimate
 from imitation.acting.loop import Attempt, Imitator, imitate
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement
 from imitation.errors import ImitationError
-from imitation.inference.inverse import Choice, LinearInverse
+from imitation.inference.inverse import Choice, LinearInverse, single
 from models.loading import load_body
 from models.motion import read_motion
 
@@ -29,9 +29,10 @@ class Obeyed:
     def __init__(self) -> None:
         self.asked: list[Asked] = []
 
-    def choose(self, context, outcome, rng):
+    def choose(self, terms, rng):
+        _, (context,), outcome, _ = single(terms)
         self.asked.append(Asked(context, outcome, rng.uniform(-0.1, 0.1, outcome.shape)))
-        return Choice(self.asked[-1].action, None, np.zeros(outcome.shape, bool))
+        return Choice(self.asked[-1].action, None, np.zeros(outcome.shape, np.int8))
 
     def expect(self, context, action):
         return self.asked[-1].outcome
