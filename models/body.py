@@ -1,11 +1,12 @@
 """A simulated body: many copies of one MJCF on `mujoco.batch`, motor lines in, sense lines out.
 
 The mind on the other side sees a motor vector in [-1, 1]^M and a sense vector, and nothing else. Senses are those of
-servo drives: for every motor its joint's angle (an encoder that counts pulses) and its speed (the drive's tachometer).
+servo drives, for every motor its joint's angle (an encoder that counts pulses) and its speed (the drive's tachometer),
+and what sensors of the MJCF are asked for by name (touch, gyro, accelerometer ...).
 """
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import mujoco
 import mujoco.batch
@@ -13,19 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import BodyError
+from models.senses import Channel, Senses, sensor_channels
+from models.wear import Wear
 from models.wiring import Wiring
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Wear:
-    """What years do to a servo."""
-
-    friction_factor: float = 1.0
-    """Multiplies every joint's dry friction (stiction)."""
-    backlash: float = 0.0
-    """Play of the gear, rad: the joint follows its motor's angle as a play (hysteresis) operator of this width."""
 
 
 class SimulatedBody:
@@ -40,11 +33,12 @@ class SimulatedBody:
         noise: standard deviation of the angle sense, rad. The speed sense gets sqrt(2) noise / tick_s, as if the
             drive differenced two such readings.
         wear: worn gears.
+        sensors: names of the model's <sensor> elements that are felt too; see `models.senses.sensor_channels`.
         scramble: seed of an unknown wiring, or None for straight.
         seed: randomness of the sensor noise.
 
     Raises:
-        BodyError: a control tick that is no whole number of physics steps.
+        BodyError: a control tick that is no whole number of physics steps, or a sensor that the model does not have.
     """
 
     def __init__(
@@ -58,10 +52,11 @@ class SimulatedBody:
         home: str | None = None,
         noise: float = 0.0,
         wear: Wear | None = None,
+        sensors: Sequence[str] = (),
         scramble: int | None = None,
         seed: int = 0,
     ) -> None:
-        self.name, self.tick_s, self.noise = name, tick_s, noise
+        self.name, self.tick_s = name, tick_s
         self.wear = wear or Wear()
         steps = tick_s / model.opt.timestep
         self.substeps = round(steps)
@@ -78,18 +73,23 @@ class SimulatedBody:
         self.joint_range: FloatArray = model.jnt_range[joints].copy()
         control: FloatArray = model.actuator_ctrlrange.copy()
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
-        self.pulses_per_rad = np.rad2deg(_numeric(model, "encoder_pulses_per_degree", 0.0))
         self._key = model.key(home).id if home else -1
-        motors, senses = model.nu, 2 * model.nu
-        self.wiring = (
-            Wiring.straight(motors, senses) if scramble is None else Wiring.scrambled(motors, senses, scramble)
+        low, high = self.joint_range.T
+        speed, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
+        self._sensors = sensor_channels(model, sensors)
+        self._stage = int(mujoco.mjtStage.mjSTAGE_ACC if self._sensors else mujoco.mjtStage.mjSTAGE_NONE)
+        channels = (
+            Channel("angle", "angle", "rad", self.joints, low, high, noise=noise, pulses=float(np.rad2deg(pulses))),
+            Channel(
+                "speed", "speed", "rad/s", self.joints, -speed, speed, noise=np.sqrt(2) * noise / tick_s, suffix="speed"
+            ),
+            *(channel for channel, _ in self._sensors),
         )
-        speed = np.full(motors, _numeric(model, "speed_limit", 5.0))
-        low = np.concatenate([self.joint_range[:, 0], -speed])[self.wiring.sense]
-        high = np.concatenate([self.joint_range[:, 1], speed])[self.wiring.sense]
-        self.sense_low, self.sense_high = low, high
-        labels = (*self.joints, *(f"{joint} speed" for joint in self.joints))
-        self.sense_labels = tuple(labels[i] for i in self.wiring.sense)  # for people only
+        motors, count = model.nu, len(Senses(channels))
+        self.wiring = Wiring.straight(motors, count) if scramble is None else Wiring.scrambled(motors, count, scramble)
+        self.senses = Senses(channels, self.wiring.sense)
+        self.sense_low, self.sense_high = self.senses.low, self.senses.high
+        self.sense_labels = self.senses.labels  # for people only
         self.motor_labels = tuple(self.joints[j] for j in np.argsort(self.wiring.motor))
         self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
         self.batch = mujoco.batch.Batch(model, copies, threads)
@@ -97,7 +97,7 @@ class SimulatedBody:
         self._seed = seed
         self.reseed(0)
         self.time = 0.0
-        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s)
+        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s, sensors)
         self.reset()
 
     @property
@@ -114,6 +114,8 @@ class SimulatedBody:
         self.batch.reset(keyframe=self._key)
         if self._key < 0:
             self.batch.ctrl[:] = np.clip(self.joint_angles, self._centre - self._half, self._centre + self._half)
+        if self._sensors:
+            self.batch.forward()
         self._played[:] = self.batch.ctrl
         self.time = 0.0
         return self._feel()
@@ -134,7 +136,7 @@ class SimulatedBody:
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
         try:
-            self.batch.step(nstep=self.substeps)
+            self.batch.step(nstep=self.substeps, stage=self._stage)
         finally:
             mujoco.set_mju_user_warning(told)
         self.time += self.tick_s
@@ -164,18 +166,13 @@ class SimulatedBody:
         return self.wiring.lines(np.clip((angles - self._centre) / self._half, -1, 1))
 
     def sensations(self, angles: FloatArray) -> FloatArray:
-        """(..., S) sense lines as they would read at joint angles (..., M); speeds are NaN (not seen)."""
-        both = np.concatenate([angles, np.full_like(angles, np.nan)], axis=-1)
-        return both[..., self.wiring.sense]
+        """(..., S) sense lines as they would read at joint angles (..., M); all else is NaN (not seen)."""
+        return self.senses.vector({"angle": angles})
 
     def _feel(self) -> FloatArray:
-        angle, speed = self.joint_angles, self.batch.qvel[:, self._dof]
-        if self.noise > 0:
-            angle = angle + self.noise * self._rng.standard_normal(angle.shape)
-            speed = speed + np.sqrt(2) * self.noise / self.tick_s * self._rng.standard_normal(angle.shape)
-        if self.pulses_per_rad > 0:
-            angle = np.rint(angle * self.pulses_per_rad) / self.pulses_per_rad
-        return np.concatenate([angle, speed], axis=-1)[:, self.wiring.sense]
+        true = {"angle": self.joint_angles, "speed": self.batch.qvel[:, self._dof]}
+        true |= {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
+        return self.senses.vector({name: self.senses[name].measured(v, self._rng) for name, v in true.items()})
 
     def _check(self, warnings: NDArray[np.int32]) -> None:
         """(B, kinds) warnings that the last tick added."""
@@ -214,14 +211,14 @@ def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
     return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])
 
 
-def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float) -> str:
+def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float, sensors: Sequence[str]) -> str:
     digest = hashlib.sha256()
     for part in (
         model.names, model.body_parentid, model.body_pos, model.body_quat, model.body_mass, model.body_inertia,
         model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
         model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
-        np.array([wear.backlash, tick_s, model.opt.timestep]),
+        np.array([wear.backlash, tick_s, model.opt.timestep]), "\n".join(sensors).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

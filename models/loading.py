@@ -1,57 +1,17 @@
 """Bodies by name or from any MJCF file with position actuators: the door between files and `SimulatedBody`."""
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import mujoco
 import numpy as np
 
-from models import hoap2
-from models.body import SimulatedBody, Wear
-from models.errors import BodyError, unknown
-from models.hoap2.facts import WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
+from models.body import SimulatedBody
+from models.errors import BodyError
+from models.robots import find
+from models.wear import Wear
 
 LARGEST_BYTES = 64 << 20
-
-
-@dataclass(frozen=True)
-class Robot:
-    """A body one can ask for by name."""
-
-    path: Path
-    about: str
-    home: str | None = None
-    """Keyframe it rests at."""
-    wear: Wear = Wear()  # noqa: RUF009  (frozen)
-
-
-ROBOTS: Mapping[str, Robot] = MappingProxyType(
-    {
-        "hoap2": Robot(hoap2.STAND, "HOAP-2 hung by its torso on a stand, 25 joints", "home"),
-        "hoap2-worn": Robot(
-            hoap2.STAND,
-            f"the same with worn gears: stiction x {WORN_FRICTION_FACTOR:g}, backlash {WORN_BACKLASH_DEG:g} deg",
-            "home",
-            Wear(WORN_FRICTION_FACTOR, float(np.deg2rad(WORN_BACKLASH_DEG))),
-        ),
-    }
-)
-
-
-def find(name_or_path: str) -> Robot | None:
-    """The registered robot of this name; None for what looks like a path.
-
-    Raises:
-        BodyError: neither.
-    """
-    path = Path(name_or_path)
-    known = name_or_path in ROBOTS
-    if not known and not (path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1 or path.exists()):
-        raise BodyError(unknown("robot", name_or_path, ROBOTS) + ", or the path of an MJCF file")
-    return ROBOTS.get(name_or_path)
 
 
 def load_body(

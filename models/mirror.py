@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.hoap2.limbs import LIMBS
+from models.robots import limbs_of
 from models.teachers.performance import PARTS, unit
 
 Array = NDArray[np.float64]
@@ -18,30 +18,27 @@ TORSO = "torso"
 
 
 class Mirror:
-    """Shows every copy of a HOAP-2 its own limb directions.
+    """Shows every copy of a body its own limb directions.
 
     Args:
-        body: who looks; its joints must be HOAP-2's.
+        body: who looks; its joints must be those of a robot with limbs.
         noise: standard deviation of what is seen, rad in each direction across the line of sight (see `blurred`).
         seed: randomness of that noise.
 
     Raises:
-        BodyError: a body without these limbs; the first joint that it lacks is named.
+        BodyError: a body without limbs to show, or without a torso.
     """
 
     def __init__(self, body: SimulatedBody, noise: float = 0.0, seed: int = 0) -> None:
-        segments = {segment.part: segment for limb in LIMBS.values() for segment in limb.segments}
+        limbs = limbs_of(body.name, body.joints).values()
+        segments = {segment.part: segment for limb in limbs for segment in limb.segments}
         self.parts = tuple(part for part in PARTS if part in segments)
         self.noise = noise
         self._body, self._data = body, mujoco.MjData(body.model)
         self._rng = np.random.default_rng([seed, 0x3177])
         bodies = {body.model.body(i).name: i for i in range(body.model.nbody)}
-        for part in self.parts:
-            if segments[part].joint not in body.joints or TORSO not in bodies:
-                raise BodyError(
-                    f"{body.name}: a mirror shows hoap2 only; this body has no joint {segments[part].joint!r} that "
-                    f"moves a {part}"
-                )
+        if TORSO not in bodies:
+            raise BodyError(f"{body.name}: directions are seen from a torso, and no body of it is called {TORSO!r}")
         self._torso = bodies[TORSO]
         self._carriers = [int(body.model.joint(segments[part].joint).bodyid[0]) for part in self.parts]
         self._axes = np.array([segments[part].axis for part in self.parts], dtype=float)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.biclops.room import CLOTHS, FACE_PREFIX, TEACHER
-from models.heads import HeadFacts, head_facts
+from models.robots import ROBOTS, head_of
 from models.shapes import Part, parts
 
 FloatArray = NDArray[np.float64]
@@ -45,8 +45,8 @@ def onlook(
     balls: Mapping[str, FloatArray],
 ) -> Onlooked:
     """A stage through (T, 2) postures of the head and the teacher's; balls at places of the table's frame."""
-    facts: HeadFacts = head_facts(robot)
-    home = model.key(facts.home).qpos if model.nkey else np.zeros(model.nq)
+    facts, rest = head_of(robot), ROBOTS[robot].home
+    home = model.key(rest).qpos if rest and model.nkey else np.zeros(model.nq)
     qpos = np.tile(home, (len(angles), 1))
     qpos[:, _columns(model, facts.motors)] = angles
     if teacher is not None:

@@ -8,7 +8,9 @@ image becomes positions is given from outside (`perceive`): a body has retinas, 
 import hashlib
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -18,13 +20,28 @@ from models.biclops.profile import profile
 from models.biclops.room import TEACHER
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.heads import HEADS, HeadFacts, check_sees, head_facts
 from models.part import PartOfBody
 from models.retina import Image, RetinaOptions, open_eye
+from models.robots import ROBOTS, head_of
+from models.senses import Channel, Senses
 
 FloatArray = NDArray[np.float64]
-Perceive = Callable[[Image], FloatArray]
-"""An image to (K, D) numbers of K kinds of things: u, v in pixels, then whatever else; NaN for what is not seen."""
+
+
+class Perceive(Protocol):
+    """What is found on an image."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """K kinds of things."""
+
+    @property
+    def areas(self) -> bool:
+        """Whether it measures areas too."""
+
+    def __call__(self, image: Image) -> FloatArray:
+        """(H, W, 3) bytes to (K, 2 or 3): u, v in pixels, area in square pixels; NaN for what is not seen."""
+
 
 INNER_S = 0.02
 """Set-points are renewed every so often."""
@@ -34,18 +51,17 @@ TEACHER_MOTORS = (TEACHER + "pan", TEACHER + "tilt")
 class SeeingBody:
     """`copies` heads on one stage, each with its own arrangement of balls and its own teacher's posture.
 
-    Senses: pan and tilt angle (rad); for every kind of thing its D numbers in the left eye, then in the right.
+    Senses: `angle` of pan and tilt (rad); `place` of every kind of thing, (u, v) in the left eye and in the right;
+    their `area` in both where `perceive` measures it.
 
     Args:
         model: a compiled `models.heads.stage`.
         robot: whose head it is.
         perceive: what is found on an image.
-        things: K, how many kinds of things `perceive` reports.
-        numbers: D, how many numbers it reports of each.
         retina: how both eyes see.
         renderer: how images are made.
         copies, tick_s, seed: as in `SimulatedBody`; `seed` is that of pixel noise.
-        rest: pan and tilt to rest at, rad.
+        rest: pan and tilt to rest at, rad; None is the robot's own rest.
 
     Raises:
         BodyError: a scene without the robot's eyes, or a tick that is no whole number of 20 ms.
@@ -56,45 +72,44 @@ class SeeingBody:
         model: mujoco.MjModel,
         robot: str,
         perceive: Perceive,
-        things: int,
         *,
-        numbers: int = 2,
         retina: RetinaOptions | None = None,
         renderer: str = "rays",
         copies: int = 1,
         tick_s: float = 1.4,
         seed: int = 0,
-        rest: tuple[float, float] = (0.0, 0.0),
+        rest: tuple[float, float] | None = None,
     ) -> None:
-        self.facts = head_facts(robot)
-        check_sees(model, self.facts.eyes)
+        self.facts, home = head_of(robot), ROBOTS[robot].home
         self.retina = retina or RetinaOptions()
         self.robot = robot
-        self.tick_s, self._perceive, self.things, self.numbers = tick_s, perceive, things, numbers
+        self.tick_s, self._perceive = tick_s, perceive
         self._inner = round(tick_s / INNER_S)
         if self._inner < 1 or abs(self._inner * INNER_S - tick_s) > 1e-9:
             raise BodyError(f"a tick of {tick_s:g} s: it must be a whole number of {INNER_S:g} s")
-        self.whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=self.facts.home)
+        self.whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=home)
         self.head = PartOfBody(self.whole, self.facts.motors)
-        self.has_teacher = TEACHER_MOTORS[0] in self.whole.joints
         self._lines = [self.whole.joints.index(name) for name in self.facts.motors]
-        self._teacher = [self.whole.joints.index(name) for name in TEACHER_MOTORS] if self.has_teacher else []
+        self._teacher = [self.whole.joints.index(name) for name in TEACHER_MOTORS if name in self.whole.joints]
         self.eyes = [open_eye(model, eye, self.retina, renderer) for eye in self.facts.eyes]
         self._data, self.model = mujoco.MjData(model), model
-        self.rest = np.asarray(rest, float)
+        self.rest = np.asarray(self.facts.rest if rest is None else rest, float)
         self.motor_low, self.motor_high = self.head.motor_low, self.head.motor_high
-        width, height = self.retina.width, self.retina.height
-        far = np.tile([width - 1.0, height - 1.0, *[width * height] * (numbers - 2)], 2 * things)
-        self.sense_low = np.concatenate([self.head.sense_low[:2], 0.0 * far])
-        self.sense_high = np.concatenate([self.head.sense_high[:2], far])
+        width, height, eyes, things = self.retina.width, self.retina.height, ("left", "right"), perceive.labels
+        size, most = (width - 1.0, height - 1.0), float(width * height)
+        channels = [
+            replace(self.head.senses["angle"], labels=("pan", "tilt")),
+            Channel("place", "image position", "px", things, 0.0, size, (eyes, ("u", "v"))),
+            Channel("area", "area", "px^2", things, 0.0, most, (eyes,), suffix="area"),
+        ]
+        self.senses = Senses(channels if perceive.areas else channels[:2])
+        self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self.fingerprint = head_fingerprint(robot)
         self.seed, self.time = seed, 0.0
         self.teacher_path: Callable[[float], FloatArray] | None = None
         """Seconds since `reset` to (B, 2) the teacher's pan and tilt, rad; None leaves it where it is."""
         self.images: list[tuple[Image, Image]] = []
         """What the eyes of each copy saw last."""
-        self.looks = 0
-        """Images made so far."""
         self._rng = np.random.default_rng([seed, 0xE7E])
         self._angles = np.zeros((copies, len(self.whole.joints)))
         self._velocity = np.zeros((copies, 2))
@@ -135,7 +150,9 @@ class SeeingBody:
         qpos = self.whole.batch.qpos
         qpos[:, self.model.jnt_qposadr[self.model.actuator_trnid[:, 0]]] = self._angles
         self._velocity[:] = 0.0
-        return self._settle_and_look()
+        for _ in range(5):
+            felt = self.whole.act(self.whole.command_angles(self._angles))
+        return self._look(felt)
 
     def act(self, motors: FloatArray, *, look: bool = True) -> FloatArray:
         """Send (B, 2) motor lines, let the tick go by, look; (B, S) sensations. With eyes shut nothing is seen."""
@@ -150,10 +167,6 @@ class SeeingBody:
                 self._angles[:, self._teacher] = self.teacher_path(self.time)
             felt = self.whole.act(self.whole.command_angles(self._angles))
         return self._look(felt, shut=not look)
-
-    def look(self) -> FloatArray:
-        """(B, S) sensations now, without time going by."""
-        return self._look(self.whole.act(self.whole.command_angles(self._angles)))
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines (B, 2) that command pan and tilt (B, 2), for baselines and stage directions."""
@@ -181,43 +194,41 @@ class SeeingBody:
     def _targets(self, motors: FloatArray) -> FloatArray:
         if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
             raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
-        limits = self.model.actuator_ctrlrange[self._lines]
-        centre, half = limits.mean(1), (limits[:, 1] - limits[:, 0]) / 2
         lines = np.zeros((self.copies, len(self.whole.joints)))
         lines[:, self._lines] = motors
-        return np.asarray(centre + half * self.whole.wiring.fractions(lines)[:, self._lines])
-
-    def _settle_and_look(self) -> FloatArray:
-        for _ in range(5):
-            felt = self.whole.act(self.whole.command_angles(self._angles))
-        return self._look(felt)
+        return self.whole.commands(lines)[:, self._lines]
 
     def _look(self, felt: FloatArray, shut: bool = False) -> FloatArray:
-        senses = np.full((self.copies, 2 + 2 * self.numbers * self.things), np.nan)
-        senses[:, :2] = felt[:, self._lines]
+        readings = {"angle": self.whole.senses.read(felt, "angle", self.facts.motors)}
         if shut:
-            return senses
+            return self.senses.vector(readings)
         self.images = []
         for copy in range(self.copies):
             data = self._view(copy)
             left, right = (eye.see(data, self._rng) for eye in self.eyes)
             self.images.append((left, right))
-            self.looks += 2
-            places = np.concatenate([self._perceive(left), self._perceive(right)], axis=1)
-            senses[copy, 2:] = places.ravel()
-        return senses
+        seen = np.stack([[self._perceive(eye) for eye in pair] for pair in self.images]).swapaxes(1, 2)
+        readings["place"] = seen[..., :2]
+        if self._perceive.areas:
+            readings["area"] = seen[..., 2]
+        return self.senses.vector(readings)
 
 
-@lru_cache(maxsize=len(HEADS))
+def still(pose: FloatArray) -> Callable[[float], FloatArray]:
+    """A teacher's path that stays at (B, 2) pan and tilt."""
+    return lambda time: pose
+
+
+@lru_cache(maxsize=len(ROBOTS))
 def head_fingerprint(robot: str) -> str:
     """Of the robot and its head alone, whatever it looks at."""
     body = watching_body(robot)
-    return hashlib.sha256(f"{body.fingerprint} {head_facts(robot).motors}".encode()).hexdigest()[:16]
+    return hashlib.sha256(f"{body.fingerprint} {head_of(robot).motors}".encode()).hexdigest()[:16]
 
 
 def watching_body(robot: str, *, copies: int = 1) -> PartOfBody:
     """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
-    facts: HeadFacts = head_facts(robot)
-    model = mujoco.MjModel.from_xml_path(str(facts.robot))
-    whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=facts.home)
-    return PartOfBody(whole, facts.motors)
+    head, one = head_of(robot), ROBOTS[robot]
+    model = mujoco.MjModel.from_xml_path(str(one.path))
+    whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=one.home)
+    return PartOfBody(whole, head.motors)

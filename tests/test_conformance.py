@@ -9,24 +9,35 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from babbling.axes import Axis
+from babbling.body import Body
 from babbling.errors import BabblingError
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
+from experiments.shared.caregiver import opposite
+from experiments.shared.eyes import EyeOptions, nursery
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
+from models.body import SimulatedBody
 from models.errors import BodyError
-from models.loading import ROBOTS, load_body
+from models.loading import load_body
+from models.maze import MazeBody, parse_maze
 from models.motion import FORMATS, MotionError, read_motion
+from models.part import PartOfBody
+from models.robots import ROBOTS
+from models.seeing_body import SeeingBody, watching_body
 from models.teachers import robots as teaching
 from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.performing import perform
+from tests.babbling.creature import Creature
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
@@ -122,18 +133,76 @@ def test_a_wrong_name_is_exit_2_and_one_line(capsys: pytest.CaptureFixture[str])
     assert len(shown.err.splitlines()) == 1 and "did you mean 'gesture'?" in shown.err
 
 
+EYES, NOISE = EyeOptions(width=80, height=60), 0.001
+HALL = """\
++--+--+--+
+|    2| 1|
++  +--+  +
+| *      |
++--+--+--+
+"""
+BODIES: dict[str, Callable[[], Body]] = {
+    **{name: partial(load_body, name, copies=2, threads=1, noise=NOISE) for name in ROBOTS},
+    "scrambled": partial(load_body, "hoap2", copies=2, threads=1, noise=NOISE, scramble=1),
+    **{f"head of {name}": partial(watching_body, name, copies=2) for name, one in ROBOTS.items() if one.head},
+    "among toys": partial(nursery, EYES, 0, copies=2),
+    "before a face": partial(opposite, EYES, 2, 0, distance=0.5, tick_s=0.2),
+    "maze": partial(MazeBody, parse_maze(HALL), copies=2),
+    "creature": partial(Creature, copies=2),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_a_body_is_numbers_and_ranges(name: str) -> None:
+    """The `Body` protocol: shapes, ranges, dtypes, rest, and nothing that changes behind one's back."""
+    body, twin = BODIES[name](), BODIES[name]()
+    low, high = body.sense_low, body.sense_high
+    motors, senses = len(body.motor_low), len(low)
+    assert body.copies == 2 and body.tick_s > 0 and body.fingerprint == twin.fingerprint
+    for vector, size in ((body.motor_low, motors), (body.motor_high, motors), (low, senses), (high, senses)):
+        assert vector.shape == (size,) and vector.dtype == np.float64 and np.isfinite(vector).all()
+    assert (body.motor_low < body.motor_high).all() and (low < high).all()
+    moves = np.random.default_rng(5).uniform(body.motor_low, body.motor_high, (40, 2, motors))
+    if isinstance(body, SimulatedBody | PartOfBody):  # servos that are not asked to jump
+        moves = body.command_angles(body.joint_angles) + np.cumsum(0.005 * moves, 0)
+    elif isinstance(body, SeeingBody):
+        moves *= 0.2
+    felt = [body.reset(), *(body.act(np.rint(move) if name == "maze" else move) for move in moves)]
+    kept = [one.copy() for one in felt]
+    again = body.reset()
+    for before, after in zip(felt, kept, strict=True):
+        assert before.shape == (2, senses) and before.dtype == np.float64
+        np.testing.assert_array_equal(before, after)
+        assert not np.shares_memory(before, again)
+    noise = np.sqrt(2) * NOISE / body.tick_s if isinstance(body, SimulatedBody) else 0.0  # of a speed, the largest
+    np.testing.assert_allclose(again, felt[0], rtol=0, atol=12 * noise)
+    values, slack = np.array(felt).reshape(-1, senses), 0.01 * (high - low) + 6 * noise
+    there = np.isfinite(values)
+    assert (values >= low - slack)[there].all() and (values <= high + slack)[there].all()
+    assert there.all() or isinstance(body, SeeingBody)
+    assert (np.nanmax(values, 0) > np.nanmin(values, 0)).all(), "a sense that never changes"
+
+
+@pytest.mark.parametrize("name", [name for name in BODIES if name != "creature"])
+def test_the_channels_of_a_body_cover_its_sense_vector_exactly_once(name: str) -> None:
+    body: Any = BODIES[name]()
+    layout = body.senses
+    lines = np.concatenate([layout.lines(channel).ravel() for channel in layout.channels])
+    assert sorted(lines) == list(range(len(body.sense_low)))
+    assert len(set(layout.labels)) == len(lines) and all(channel.unit for channel in layout.channels.values())
+    felt = body.reset()
+    readings = {channel: layout.read(felt, channel) for channel in layout.channels}
+    np.testing.assert_array_equal(layout.vector(readings), felt)
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_robot_feels_the_same_again(name: str) -> None:
     def felt(seed: int) -> NDArray[np.float64]:
         body = load_body(name, copies=2, threads=1, noise=0.01, seed=seed)
-        assert body.copies == 2
-        assert (body.motor_low < body.motor_high).all() and (body.sense_low < body.sense_high).all()
-        rng = np.random.default_rng(5)
-        moves = rng.uniform(body.motor_low, body.motor_high, (3, 2, len(body.motor_low)))
+        moves = np.random.default_rng(5).uniform(body.motor_low, body.motor_high, (3, 2, len(body.motor_low)))
         return np.array([body.reset(), *(body.act(0.3 * move) for move in moves)])
 
     senses = felt(0)
-    assert senses.shape[1] == 2 and np.isfinite(senses).all()
     np.testing.assert_array_equal(senses, felt(0))
     assert (senses != felt(1)).any()
     assert np.abs(senses[3] - senses[0]).max() > 0.02  # it moves

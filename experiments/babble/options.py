@@ -6,6 +6,7 @@ from typing import Annotated
 import tyro
 
 from experiments.shared.options import BABBLING_MINUTES, BodyOptions, options
+from models.robots import ROBOTS
 
 
 @options
@@ -23,9 +24,4 @@ class Config(BodyOptions):
     @property
     def sees(self) -> bool:
         """Whether it is a head that babbles with its eyes."""
-        return self.robot == "biclops"
-
-    def check_robot(self) -> None:
-        """See `BodyOptions`."""
-        if not self.sees:
-            super().check_robot()
+        return self.robot in ROBOTS and ROBOTS[self.robot].babbles == "eyes"

@@ -83,14 +83,16 @@ def with_eyes(config: Config) -> None:
         ExperimentError: options that a head does not have.
     """
     if config.sensor_noise_deg or config.scramble is not None:
-        raise ExperimentError("--sensor-noise-deg and --scramble are for bodies of many joints; biclops has neither")
+        raise ExperimentError(
+            f"--sensor-noise-deg and --scramble are for bodies of many joints; {config.robot} has neither"
+        )
     if config.out is not None and config.out.suffix:
         raise ExperimentError(
-            f"--out {config.out}: biclops leaves a folder (recording, figures, eyes.nc); name a folder"
+            f"--out {config.out}: {config.robot} leaves a folder (recording, figures, eyes.nc); name a folder"
         )
-    out = config.out or Path("runs") / "biclops"
+    out = config.out or Path("runs") / config.robot
     check_out(out)
-    looking = Looking(babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
+    looking = Looking(robot=config.robot, babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
     result = look(looking)
     publish("saccades", looking, result)
     Console().print(Markdown(result.summary))

@@ -1,6 +1,7 @@
 """Teachers with covered eyes, imitators with and without experience of covered eyes of their own."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -57,10 +58,8 @@ def covered_eyes(
     """How often gaze is followed: by age, own experience and cloth; populations that choose by probability matching."""
     faces: dict[str, Trials] = {}
     for number, cloth in enumerate(("blindfold", "headband")):
-        faces[cloth] = run_trials(
-            body, scene, mind, appearance, count, rng, cloth=cloth,
-            report=lambda done, number=number: report((number + done) / 2),
-        )  # fmt: skip
+        share = partial(lambda number, done: report((number + done) / 2), number)
+        faces[cloth] = run_trials(body, scene, mind, appearance, count, rng, cloth=cloth, report=share)
     views = [pair[0] for pair in body.images]
     rates: dict[str, Any] = {}
     for age, lived in AGES.items():
@@ -98,8 +97,7 @@ def _followed(
         mine = np.flatnonzero(covered == state)
         if not len(mine):
             continue
-        part = Trials(*(field[mine] for field in trials[:-1]), trials.image)  # type: ignore[arg-type]
-        probability = infer(part, gaze, head, TOYS, sees=belief[state][0])
+        probability = infer(trials.rows(mine), gaze, head, TOYS, sees=belief[state][0])
         ladder = np.cumsum(probability, 1)
         looked[mine] = (ladder < rng.random((len(mine), 1)) * ladder[:, -1:]).sum(1)
     hits = int((looked == trials.target).sum())

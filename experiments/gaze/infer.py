@@ -70,5 +70,4 @@ def train_preferences(
 ) -> None:
     """Learn what a teacher likes from what it seemed to look at; nobody says what it was."""
     for i in range(len(trials.target)):
-        one = Trials(*(part[i : i + 1] for part in trials[:-1]), trials.image)  # type: ignore[arg-type]
-        likes.observe(toys, infer(one, gaze, head, toys, likes)[0])
+        likes.observe(toys, infer(trials.rows(slice(i, i + 1)), gaze, head, toys, likes)[0])

@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 from experiments.gaze.scene import FRAME_S, Episode
 from experiments.shared.eyes_recording import BACKGROUND, FOUND, PREDICTED, log_images, log_points, log_stage
 from experiments.shared.recording import DEMONSTRATED, IMITATED, log_series, recording
-from models.heads import head_facts
+from models.robots import head_of
 
 COLOURS = {"orange": (255, 150, 30), "lime": (150, 230, 30), "cyan": (0, 220, 220), "violet": (160, 90, 255)}
 ESTIMATED = (110, 220, 150)
@@ -49,7 +49,7 @@ def record(path: Path, robot: str, one: Episode, summary: str, seed: int) -> Non
 
 
 def _blueprint(robot: str, one: Episode) -> rrb.Blueprint:
-    table = head_facts(robot).table
+    table = head_of(robot).table
     world = rrb.Spatial3DView(
         name=f"the teacher looks at {one.names[one.target]}", origin="/world", line_grid=False, background=BACKGROUND,
         eye_controls=rrb.EyeControls3D(

@@ -9,14 +9,13 @@ from babbling.looking_storage import load_looking, save_looking
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
-from experiments.gaze.infer import Judged, judge, train_preferences
+from experiments.gaze.infer import Judged, infer, judge, train_preferences
 from experiments.gaze.options import Config
 from experiments.gaze.scene import Episode, episode
 from experiments.gaze.trials import (
     COPIES,
     PAIR,
     TOYS,
-    TURN_S,
     Scene,
     lesson_for_gaze,
     reader,
@@ -24,6 +23,7 @@ from experiments.gaze.trials import (
     shown,
     table_body,
 )
+from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
 from experiments.shared.progress import progress
@@ -77,8 +77,9 @@ def run(config: Config) -> Result:
         gaze = naive.learned(shown(lessons, naive.geometry, head))
     with progress("following gaze") as report:
         clear_trials = run_trials(
-            body, scene, mind, appearance, counts["clear"], rng, follow=(gaze, head), report=report
-        )
+            body, scene, mind, appearance, counts["clear"], rng, report=report,
+            follow=lambda trials: infer(trials, gaze, head, TOYS).argmax(1),
+        )  # fmt: skip
     clear = judge(clear_trials, gaze, head, TOYS)
     with progress("a teacher with preferences") as report:
         likes = Preferences()
@@ -100,7 +101,7 @@ def run(config: Config) -> Result:
     broad = Preferences()
     train_preferences(broad, lessons, gaze, head, TOYS)
     judged = judge(many, gaze, head, TOYS, broad)
-    error, bins = calibration_error(judged.confidence, judged.right)
+    error, bins = calibration_error(judged.confidence, judged.right.astype(float))
     with progress("covered eyes") as report:
         covered = covered_eyes(
             body,

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.sight import LookingMind
-from experiments.gaze.trials import LABELS, TOYS, Scene, split, table_body
-from experiments.shared.caregiver import FACE, NUMBERS
+from experiments.gaze.trials import TOYS, Scene, table_body, toys_seen
+from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import GazeReader, Preferences
 from imitation.seeing.pose import Appearance, LiveWatch, frame_pose
@@ -84,8 +84,7 @@ def episode(
     nothing = np.full((count, 2, 2), np.nan)
 
     def note(pose: FloatArray, belief: FloatArray, predicted: FloatArray) -> None:
-        numbers = senses[0, 2:].reshape(len(LABELS), 2, NUMBERS)
-        frames["found"].append(numbers[: len(FACE) + count, :, :2].copy())
+        frames["found"].append(body.senses.read(senses, "place", (*FACE, *names))[0])
         frames["predicted"].append(predicted)
         frames["own"].append(body.joint_angles[0].copy())
         frames["teacher"].append(body.teacher_angles[0].copy())
@@ -100,14 +99,14 @@ def episode(
     for frame in range(looks):
         if frame:
             senses = body.act(rest)
-        face, things, area = split(senses, mind)
+        face, (things, area) = face_numbers(body, senses)[0], toys_seen(body, senses, mind, names)
         watching.ahead()
-        pose = watching.see(face[0], frame_pose(appearance, face[0]) if watching.belief is None else None).mean[:2]
-        where = gaze.geometry.locate(things[0, :count], senses[0, 1])
+        pose = watching.see(face, frame_pose(appearance, face) if watching.belief is None else None).mean[:2]
+        where = gaze.geometry.locate(things[0], body.senses.read(senses, "angle", ("tilt",))[0, 0])
         if np.isfinite(where).all() and watching.belief is not None:
             if not np.isfinite(expected).all():
                 expected = gaze.imagined(where, np.tile(head, (count, 1))) + gaze.bias
-            prior = Preferences().prior(names, np.sqrt(np.maximum(area[0, :count], 1.0)))
+            prior = Preferences().prior(names, np.sqrt(np.maximum(area[0], 1.0)))
             posterior = gaze.read(pose, where, head, prior)
             belief = posterior.probability if posterior.informed else prior
             best = int(belief.argmax())
@@ -118,18 +117,16 @@ def episode(
     chosen = int(belief.argmax())
     fixation = Fixation(mind.sight, mind.pilot.reach)
     for number in range(2):
-        _, things, _ = split(senses, mind)
-        saccade = fixation.choose(np.nan_to_num(things[:, chosen]), senses[:, :2], rng)
+        things, posture = toys_seen(body, senses, mind, names)[0], body.senses.read(senses, "angle")
+        saccade = fixation.choose(np.nan_to_num(things[:, chosen]), posture, rng)
         events.append((len(images) * FRAME_S, f"looks at {names[chosen]}" if not number else "corrects"))
-        posture = np.repeat(senses[:, :2], count, 0)
-        after = mind.sight.expect(things[0, :count], posture, np.repeat(saccade.change, count, 0))
+        after = mind.sight.expect(things[0], np.repeat(posture, count, 0), np.repeat(saccade.change, count, 0))
         predicted = after.reshape(count, 2, 2) + centre
-        command = mind.pilot.efference.motors(senses[:, :2] + saccade.change)
+        command = mind.pilot.efference.motors(posture + saccade.change)
         for _ in range(round((LOOK_S if not number else 0.4) / FRAME_S)):
             senses = body.act(command)
             note(np.full(2, np.nan), belief.copy(), predicted)
-    _, things, _ = split(senses, mind)
-    away = float(np.hypot(*things[0, chosen, :2]))
+    away = float(np.hypot(*toys_seen(body, senses, mind, names)[0][0, chosen, :2]))
     right = "the teacher's toy" if chosen == goal else f"not the teacher's, which is {names[goal]}"
     events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
     stacked = {k: np.stack(v) for k, v in frames.items()}

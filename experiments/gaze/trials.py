@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.sight import LookingMind
-from experiments.shared.caregiver import FACE, NUMBERS, TURN_S, group
-from experiments.shared.eyes import retina_of
+from experiments.shared.caregiver import EYES, FACE, TURN_S, face_numbers, mirrored
+from experiments.shared.eyes import open_eyes, retina_of
 from experiments.shared.options import EyeOptions
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import GazeReader, Geometry, Shown
@@ -18,9 +18,9 @@ from imitation.seeing.finding import Measurer
 from imitation.seeing.pose import Appearance, frame_pose
 from models.biclops.gaze import View, lay_out, look_at
 from models.biclops.room import Ball, wear_cloth
-from models.heads import CARD, PARKED, stage
+from models.heads import CARD, PARKED, camera_facts
 from models.retina import Image
-from models.seeing_body import SeeingBody
+from models.seeing_body import SeeingBody, still
 
 FloatArray = NDArray[np.float64]
 
@@ -33,10 +33,6 @@ WATCH_TILT = 0.14
 COPIES = 20
 LESSON_PAN, LESSON_TILT = 0.82, (-0.15, 0.72)
 """rad: postures that are mirrored; looks at a table go down."""
-EYES_OF_FACE = (1, 2)
-"""Rows of `FACE` that are eyes."""
-HALF_BASELINE = {"biclops": 0.05, "hoap2": 0.0225}
-"""m; only whoever lays out the table knows it."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +45,10 @@ class Scene:
     """Standard deviation of where a teacher's head points beside what it looks at, each axis, degrees."""
 
     def view(self) -> View:
-        """What the imitator can see of the table."""
-        retina = retina_of(self.eyes)
-        default = {"biclops": 46.826, "hoap2": 55.0}[self.eyes.robot]
-        half_v = np.tan(np.deg2rad(retina.fovy_deg or default) / 2)
-        return View(
-            float(half_v * retina.width / retina.height), float(half_v), WATCH_TILT, HALF_BASELINE[self.eyes.robot]
-        )
+        """What the imitator can see of the table; only whoever lays it out knows."""
+        retina, (fovy_deg, half_baseline) = retina_of(self.eyes), camera_facts(self.eyes.robot)
+        half_v = float(np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2))
+        return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
 
 
 class Trials(NamedTuple):
@@ -83,14 +76,17 @@ class Trials(NamedTuple):
     image: tuple[Image, Image]
     """Of the first trial."""
 
+    def rows(self, which: Any) -> "Trials":
+        """Some of the trials."""
+        return Trials._make([*(field[which] for field in self[:-1]), self.image])
 
-def table_body(scene: Scene, copies: int, seed: int, tick_s: float, teacher: bool = True) -> SeeingBody:
+
+def table_body(scene: Scene, copies: int, seed: int, tick_s: float) -> SeeingBody:
     """Heads before a table with four toys and a teacher behind it."""
     balls = tuple(Ball(name, (0.5, 0.0, 0.02), COLOURS[name], 0.022) for name in TOYS)
-    model = stage(scene.eyes.robot, teacher=teacher, distance=scene.distance, balls=balls, card=True).compile()
-    body = SeeingBody(
-        model, scene.eyes.robot, Measurer(LABELS), len(LABELS), numbers=NUMBERS, retina=retina_of(scene.eyes),
-        renderer=scene.eyes.renderer, copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT),
+    body = open_eyes(
+        scene.eyes, Measurer(LABELS), copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT), teacher=True,
+        distance=scene.distance, balls=balls, card=True,
     )  # fmt: skip
     for name in TOYS:
         body.place(name, np.array(PARKED))
@@ -98,13 +94,13 @@ def table_body(scene: Scene, copies: int, seed: int, tick_s: float, teacher: boo
     return body
 
 
-def split(senses: FloatArray, mind: LookingMind) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """(..., S) senses to the face's (..., M) numbers, the toys' (..., 4, 4) places from the middle, their areas."""
-    numbers = senses[..., 2:].reshape(*senses.shape[:-1], len(LABELS), 2, NUMBERS)
-    face = numbers[..., : len(FACE), :, :].reshape(*senses.shape[:-1], -1)
-    toys = numbers[..., len(FACE) :, :, :]
-    things = toys[..., :2].reshape(*toys.shape[:-2], 4) - mind.pilot.retina.centre
-    return face, things, np.nanmax(np.nan_to_num(toys[..., 2]), axis=-1)
+def toys_seen(
+    body: SeeingBody, senses: FloatArray, mind: LookingMind, toys: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """(..., S) senses to the toys' (..., G, 4) places from the middle of either eye and their (..., G) areas."""
+    place = body.senses.read(senses, "place", toys)
+    area = np.nan_to_num(body.senses.read(senses, "area", toys)).max(-1)
+    return place.reshape(*place.shape[:-2], 4) - mind.pilot.retina.centre, area
 
 
 def run_trials(
@@ -119,79 +115,64 @@ def run_trials(
     apart_deg: tuple[float, float] = (15.0, 180.0),
     preference: tuple[float, ...] | None = None,
     cloth: str | None = None,
-    follow: tuple[GazeReader, FloatArray] | None = None,
+    follow: Callable[[Trials], NDArray[np.int64]] | None = None,
     report: Callable[[float], None] = lambda done: None,
 ) -> Trials:
     """So many trials, `body.copies` at a time; see `Trials`. `preference` is the teacher's own, over `toys`.
 
-    With `follow`, a reader of gaze and the place of the face, the imitator looks where it thinks the teacher looks.
+    With `follow`, which toy of each trial the teacher is thought to look at, the imitator looks there.
     """
     wear_cloth(body.model, cloth)
-    rows: list[tuple[FloatArray, ...]] = []
-    image = None
-    indices = [TOYS.index(name) for name in toys]
-    share = np.full(len(toys), 1 / len(toys)) if preference is None else np.array(preference)
-    done = 0
-    while done < count:
-        copies = body.copies
+    batches: list[Trials] = []
+    copies, share = body.copies, np.full(len(toys), 1 / len(toys)) if preference is None else np.array(preference)
+    for done in range(0, count, copies):
         places = np.stack([lay_out(rng, len(toys), scene.distance, scene.view(), apart_deg) for _ in range(copies)])
         target = rng.choice(len(toys), copies, p=share)
         aim = look_at(places[np.arange(copies), target], scene.distance)
-        aim = aim + np.deg2rad(scene.aim_deg) * rng.standard_normal((copies, 2))
         for name in TOYS:
             body.place(name, np.array(PARKED))
         for column, name in enumerate(toys):
             body.place(name, places[:, column])
-        body.teacher_path = lambda t, aim=aim: aim  # type: ignore[misc]
+        body.teacher_path = still(aim + np.deg2rad(scene.aim_deg) * rng.standard_normal((copies, 2)))
         body.seed += 1
         senses = body.reset()
-        image = image or body.images[0]
-        face, things, area = split(senses, mind)
-        pose = np.stack([_pose(appearance, one) for one in face])
-        seen = np.isfinite(face.reshape(copies, len(FACE), 2, NUMBERS)[:, list(EYES_OF_FACE), :, :][..., 0]).any((1, 2))
-        rows.append((
-            places, target, body.teacher_angles, things[:, indices], np.sqrt(np.maximum(area[:, indices], 1.0)), pose,
-            seen, senses[:, 1], np.full((copies, 2), np.nan),
-        ))  # fmt: skip
+        things, area = toys_seen(body, senses, mind, toys)
+        poses = [frame_pose(appearance, face) for face in face_numbers(body, senses)]
+        batch = Trials(
+            places, target, body.teacher_angles, things, np.sqrt(np.maximum(area, 1.0)),
+            pose=np.array([np.full(2, np.nan) if pose is None else pose for pose in poses]),
+            eyes_seen=np.asarray(np.isfinite(body.senses.read(senses, "place", EYES)[..., 0]).any((1, 2))),
+            tilt=body.senses.read(senses, "angle", ("tilt",))[:, 0],
+            looked=np.full((copies, 2), np.nan),
+            image=batches[0].image if batches else body.images[0],
+        )  # fmt: skip
         if follow is not None:
-            rows[-1][-1][:] = _follow(body, mind, Trials(*rows[-1], image), follow, toys, senses, rng)  # type: ignore[arg-type]
-        done += copies
-        report(min(done / count, 1.0))
+            batch = batch._replace(looked=_look(body, mind, follow(batch), toys, senses, rng))
+        batches.append(batch)
+        report(min((done + copies) / count, 1.0))
     wear_cloth(body.model, None)
-    assert image is not None
-    merged = [np.concatenate(column)[:count] for column in zip(*rows, strict=True)]
-    return Trials(*merged, image)  # type: ignore[arg-type]
+    merged = [np.concatenate(column) for column in zip(*(batch[:-1] for batch in batches), strict=True)]
+    return Trials._make([*merged, batches[0].image]).rows(slice(count))
 
 
-def _follow(
+def _look(
     body: SeeingBody,
     mind: LookingMind,
-    trials: Trials,
-    follow: tuple[GazeReader, FloatArray],
+    chosen: NDArray[np.int64],
     toys: tuple[str, ...],
     senses: FloatArray,
     rng: np.random.Generator,
 ) -> FloatArray:
-    """Two saccades to the toy that Eq. (2) finds most probable: (B, 2) toy nearest the middle, its distance."""
-    from experiments.gaze.infer import infer
-
+    """Two saccades to the chosen toys: (B, 2) toy nearest the middle, its distance."""
     fixation = Fixation(mind.sight, mind.pilot.reach)
-    chosen = infer(trials, *follow, toys).argmax(1)
-    indices = [TOYS.index(name) for name in toys]
     every = np.arange(len(chosen))
     for _ in range(2):
-        things = split(senses, mind)[1][:, indices]
-        wanted = np.nan_to_num(things[every, chosen])
-        saccade = fixation.choose(wanted, senses[:, :2], rng)
-        senses = body.act(mind.pilot.efference.motors(senses[:, :2] + saccade.change))
-    away = np.linalg.norm(split(senses, mind)[1][:, indices, :2], axis=-1)
+        things, posture = toys_seen(body, senses, mind, toys)[0], body.senses.read(senses, "angle")
+        saccade = fixation.choose(np.nan_to_num(things[every, chosen]), posture, rng)
+        senses = body.act(mind.pilot.efference.motors(posture + saccade.change))
+    away = np.linalg.norm(toys_seen(body, senses, mind, toys)[0][..., :2], axis=-1)
     away = np.where(np.isfinite(away), away, np.inf)
     return np.stack([away.argmin(1).astype(float), away.min(1)], axis=-1)
-
-
-def _pose(appearance: Appearance, numbers: FloatArray) -> FloatArray:
-    pose = frame_pose(appearance, numbers)
-    return np.full(2, np.nan) if pose is None else pose
 
 
 def geometry(mind: LookingMind) -> Geometry:
@@ -212,10 +193,9 @@ def reader(mind: LookingMind) -> GazeReader:
     )
 
 
-def head_place(geometry_: Geometry, face: FloatArray, tilt: FloatArray, centre: FloatArray) -> FloatArray:
-    """(3,) the middle of what is seen of a resting face in (N, M) numbers: the mean place of its located features."""
-    numbers = face.reshape(len(face), len(FACE), 2, NUMBERS)[..., :2].reshape(len(face), len(FACE), 4) - centre
-    places = geometry_.locate(numbers, tilt[:, None])
+def head_place(where: Geometry, place: FloatArray, tilt: FloatArray, centre: FloatArray) -> FloatArray:
+    """(3,) the middle of what is seen of resting faces, features at (N, K, 2, 2) pixels: their mean place."""
+    places = where.locate(place.reshape(*place.shape[:2], 4) - centre, tilt[:, None])
     return np.asarray(np.nanmedian(places.reshape(-1, 3), axis=0))
 
 
@@ -236,23 +216,9 @@ def lesson_for_gaze(
 ) -> tuple[Appearance, FloatArray]:
     """Being mirrored while looking at face and table: what heads at postures look like, and where the face is."""
     body = table_body(scene, COPIES, seed, TURN_S)
-    rng = np.random.default_rng([seed, 0x1E6])
-    low = np.array([-LESSON_PAN, LESSON_TILT[0]])
-    high = np.array([LESSON_PAN, LESSON_TILT[1]])
-    body.teacher_path = lambda t: np.zeros((COPIES, 2))
+    body.teacher_path = still(np.zeros((COPIES, 2)))
     senses = body.reset()
-    face, _, _ = split(senses, mind)
-    head = head_place(geometry(mind), face, senses[:, 1], mind.pilot.retina.centre)
-    rest = body.command_angles(np.tile(body.rest, (COPIES, 1)))
-    postures, seen = [], []
-    rounds = -(-count // COPIES)
-    for turn in range(rounds):
-        wanted = low + (high - low) * rng.random((COPIES, 2))
-        felt = body.act(body.command_angles(wanted), look=False)[:, :2]
-        imitation = felt + np.deg2rad(0.2) * rng.standard_normal((COPIES, 2))
-        body.teacher_path = lambda t, imitation=imitation: imitation  # type: ignore[misc]
-        senses = body.act(rest)
-        postures.append(felt)
-        seen.append(split(senses, mind)[0])
-        report((turn + 1) / rounds)
-    return Appearance.learned(np.concatenate(postures), np.concatenate(seen), group()), head
+    tilt = body.senses.read(senses, "angle", ("tilt",))[:, 0]
+    head = head_place(geometry(mind), body.senses.read(senses, "place", FACE), tilt, mind.pilot.retina.centre)
+    low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
+    return mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report), head

@@ -16,8 +16,9 @@ from imitation.head_memory import HeadMemory
 from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
-from models.heads import head_facts, stage
+from models.heads import stage
 from models.onlooker import onlook
+from models.robots import head_of
 
 FloatArray = NDArray[np.float64]
 AXES = ("pan", "tilt")
@@ -41,7 +42,7 @@ def record(
         config.robot, teacher=not later, distance=config.distance, balls=TOYS_OF_ANOTHER_ROOM if later else ()
     ).compile()
     balls = {ball.name: np.array(ball.position) for ball in TOYS_OF_ANOTHER_ROOM} if later else {}
-    with recording(path, "imitate-head", name, _blueprint(tuple(head_facts(config.robot).table), config)) as stream:
+    with recording(path, "imitate-head", name, _blueprint(tuple(head_of(config.robot).table), config)) as stream:
         stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
         shape = (len(frames), len(FACE), 2, NUMBERS)
         found = one.numbers[frames].reshape(shape)

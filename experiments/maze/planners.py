@@ -163,7 +163,7 @@ def replanners(
     senses, value, row = body.reset(), np.zeros((copies, maze.cells)), np.arange(copies)
     lead, transposed = walls.lead, believed_tables(model).transpose(0, 2, 1)
     for step in range(1, budgets[-1] + 1):
-        cell = places.number(senses[:, :2])
+        cell = places.number(body.senses.read(senses, "place"))
         if step > first:
             for _ in range(sweeps):
                 to_go = 1 + value[row[:, None, None], lead] @ transposed
@@ -175,7 +175,7 @@ def replanners(
         motors = action[:, None].astype(float)
         after = body.act(motors)
         model.observe(*wanderer.reading.transitions(senses, motors, after))
-        walls.feel(places.number(after[:, :2]), after[:, 2:] > 0)
+        walls.feel(places.number(body.senses.read(after, "place")), body.senses.read(after, "touch") > 0)
         body.put_back(body.cell == goal)
         senses = body.feel()
         if step % 10 == 0 or step == first:

@@ -25,8 +25,8 @@ from experiments.shared.eyes import COPIES, TOYS, learn_to_look, nursery, toy_pl
 from experiments.shared.options import EyeOptions
 from experiments.shared.progress import progress
 from imitation.gaze.fixation import Fixation, Saccade
-from models.heads import head_facts
 from models.onlooker import onlook
+from models.robots import head_of
 
 FloatArray = NDArray[np.float64]
 
@@ -135,7 +135,7 @@ def run(config: Config) -> Result:
         metrics,
         summary,
         figures(mind, unseen, expected(mind, unseen), fixated, curve),
-        lambda path: record(path, seen, head_facts(config.robot).table, glances, summary, name),
+        lambda path: record(path, seen, head_of(config.robot).table, glances, summary, name),
         {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=seed)},
     )
 
@@ -148,27 +148,26 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
     efference, retina, reach = mind.pilot.efference, mind.pilot.retina, mind.pilot.reach
     senses = body.reset()
     glances: list[Glance] = []
-    visits = np.zeros(body.things, int)
+    visits = np.zeros(len(TOYS), int)
     last = -1
-    nothing = np.full((body.things, 4), np.nan)
+    nothing = np.full((len(TOYS), 4), np.nan)
     centre = retina.centre
     things = retina.things(senses)[0]
     glances.append(Glance(body.images[0], things + centre, nothing, body.joint_angles[0].copy(), -1, "at rest"))
     for _ in range(looks):
-        possible = np.flatnonzero(within_reach(mind, things, senses[0, :2]) & (np.arange(len(things)) != last))
+        posture = body.senses.read(senses, "angle")
+        possible = np.flatnonzero(within_reach(mind, things, posture[0]) & (np.arange(len(things)) != last))
         if len(possible) and visits[possible].min() < ENOUGH:
             least = possible[visits[possible] == visits[possible].min()]
             last = int(rng.choice(least))
             visits[last] += 1
-            saccade: Saccade = fixation.choose(things[None, last], senses[:, :2], rng)
+            saccade: Saccade = fixation.choose(things[None, last], posture, rng)
             change, event = saccade.change, f"look at {TOYS[last]}"
         else:
             elsewhere = reach.low + (reach.high - reach.low) * rng.random((1, 2))
-            change, event, last = elsewhere - senses[:, :2], "nothing new in view: looks elsewhere", -1
-        expected = mind.sight.expect(
-            things, np.repeat(senses[:, :2], len(things), 0), np.repeat(change, len(things), 0)
-        )
-        senses = body.act(efference.motors(senses[:, :2] + change))
+            change, event, last = elsewhere - posture, "nothing new in view: looks elsewhere", -1
+        expected = mind.sight.expect(things, np.repeat(posture, len(things), 0), np.repeat(change, len(things), 0))
+        senses = body.act(efference.motors(posture + change))
         things = retina.things(senses)[0]
         glances.append(
             Glance(body.images[0], things + centre, expected + centre, body.joint_angles[0].copy(), last, event)

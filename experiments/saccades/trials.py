@@ -130,20 +130,21 @@ def fixate(
         middle = (reach.low + reach.high) / 2
         posture = middle + (reach.high - reach.low) / 2 * 0.4 * (2 * rng.random((body.copies, 2)) - 1)
         senses = body.act(efference.motors(posture))
-        things = retina.things(senses)
+        things, posture = retina.things(senses), body.senses.read(senses, "angle")
         target = np.full(body.copies, -1)
         for copy in copies:
             central = np.abs(things[copy, :, :2]) < CENTRAL * retina.half[:2]
-            possible = np.flatnonzero(central.all(1) & within_reach(mind, things[copy], senses[copy, :2]))
+            possible = np.flatnonzero(central.all(1) & within_reach(mind, things[copy], posture[copy]))
             if len(possible):
                 target[copy] = rng.choice(possible)
         tried = target >= 0
         starts.append(things[copies, target, :2][tried])
         for _ in range(2):
             thing = things[copies, target]
-            saccade = fixation.choose(np.nan_to_num(thing), senses[:, :2], rng)
+            posture = body.senses.read(senses, "angle")
+            saccade = fixation.choose(np.nan_to_num(thing), posture, rng)
             uninformed += int(saccade.uninformed[tried].sum())
-            senses = body.act(efference.motors(senses[:, :2] + saccade.change))
+            senses = body.act(efference.motors(posture + saccade.change))
             things = retina.things(senses)
             away = np.hypot(*things[copies, target, :2].T)
             errors.append(np.where(np.isfinite(away), away, np.inf)[tried])

@@ -7,25 +7,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.shared.eyes import REST, reach_of, retina_of
+from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Measurer
 from imitation.seeing.pose import Appearance
-from models.biclops.room import Ball
-from models.heads import CARD, EYE_HEIGHT, PARKED, stage
+from models.heads import CARD, PARKED
 from models.retina import Image
-from models.seeing_body import SeeingBody
+from models.robots import EYE_HEIGHT
+from models.seeing_body import SeeingBody, still
 
 FloatArray = NDArray[np.float64]
 
 FACE = ("red", "blue", "green", "yellow", "magenta")
 """Colours of nose, left eye, right eye, left ear, right ear."""
+EYES = ("blue", "green")
 NUMBERS = 3
 """u, v and area of each feature in each eye."""
 FRAME_S = 0.04
 """s between images: 25 a second."""
 LESSON_PAN, LESSON_TILT = 0.62, 0.40
 """rad: postures that are mirrored."""
+LESSON_COPIES = 16
 TURN_S = 1.4
 CARE_DEG = 0.2
 """Standard deviation of how exactly a caregiver repeats a posture."""
@@ -47,54 +49,50 @@ def opposite(
     *,
     distance: float,
     tick_s: float,
-    balls: tuple[Ball, ...] = (),
     teacher: bool = True,
-    colours: tuple[str, ...] = FACE,
 ) -> SeeingBody:
     """Heads with a teacher before them."""
-    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=True).compile()
-    return SeeingBody(
-        model,
-        eyes.robot,
-        Measurer(colours),
-        len(colours),
-        numbers=NUMBERS,
-        retina=retina_of(eyes),
-        renderer=eyes.renderer,
-        copies=copies,
-        tick_s=tick_s,
-        seed=seed,
-        rest=REST[eyes.robot],
+    return open_eyes(
+        eyes, Measurer(FACE), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher, distance=distance, card=True
     )
 
 
-def face_numbers(senses: FloatArray) -> FloatArray:
-    """(..., S) senses to (..., M) numbers of the face."""
-    return senses[..., 2 : 2 + 2 * NUMBERS * len(FACE)]
+def face_numbers(body: SeeingBody, senses: FloatArray) -> FloatArray:
+    """(..., S) senses to (..., M) numbers of the face: u, v and area of each feature in each eye."""
+    place, area = (body.senses.read(senses, channel, FACE) for channel in ("place", "area"))
+    return np.concatenate([place, area[..., None]], axis=-1).reshape(*senses.shape[:-1], -1)
 
 
 def lesson(
     eyes: EyeOptions, count: int, seed: int, distance: float, report: Callable[[float], None] = lambda done: None
 ) -> Appearance:
     """Taking turns: the imitator takes a posture and looks back, the caregiver repeats it and is looked at."""
-    copies = 16
-    body = opposite(eyes, copies, seed, distance=distance, tick_s=TURN_S)
-    rng = np.random.default_rng([seed, 0x1E5])
+    body = opposite(eyes, LESSON_COPIES, seed, distance=distance, tick_s=TURN_S)
+    body.reset()
     reach = reach_of(eyes.robot)
     low = np.maximum([-LESSON_PAN, -LESSON_TILT], reach.low)
     high = np.minimum([LESSON_PAN, LESSON_TILT], reach.high)
-    body.reset()
-    rest = body.command_angles(np.tile(body.rest, (copies, 1)))
+    return mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E5]), report)
+
+
+def mirrored(
+    body: SeeingBody,
+    low: FloatArray,
+    high: FloatArray,
+    count: int,
+    rng: np.random.Generator,
+    report: Callable[[float], None],
+) -> Appearance:
+    """What heads look like at `count` random postures between (2,) `low` and `high`, rad."""
+    rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
     postures, seen = [], []
-    rounds = -(-count // copies)
+    rounds = -(-count // body.copies)
     for turn in range(rounds):
-        wanted = low + (high - low) * rng.random((copies, 2))
-        felt = body.act(body.command_angles(wanted), look=False)[:, :2]
-        shown = felt + np.deg2rad(CARE_DEG) * rng.standard_normal((copies, 2))
-        body.teacher_path = lambda t, shown=shown: shown  # type: ignore[misc]
-        senses = body.act(rest)
+        wanted = low + (high - low) * rng.random((body.copies, 2))
+        felt = body.senses.read(body.act(body.command_angles(wanted), look=False), "angle")
+        body.teacher_path = still(felt + np.deg2rad(CARE_DEG) * rng.standard_normal(felt.shape))
+        seen.append(face_numbers(body, body.act(rest)))
         postures.append(felt)
-        seen.append(face_numbers(senses))
         report((turn + 1) / rounds)
     return Appearance.learned(np.concatenate(postures), np.concatenate(seen), group())
 
@@ -144,7 +142,7 @@ def watch_teacher(
     body.teacher_path = lambda t: padded[min(round(t / 0.02), longest - 1)]
     senses = body.reset()
     rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
-    width = face_numbers(senses).shape[1]
+    width = face_numbers(body, senses).shape[1]
     numbers, truth = np.full((longest, body.copies, width), np.nan), np.full((longest, body.copies, 2), np.nan)
     hidden, images = np.zeros((longest, body.copies), bool), []
     for tick in range(0, longest, inner):
@@ -153,7 +151,7 @@ def watch_teacher(
             body.place(CARD, np.array(for_cards))
             hidden[tick : tick + inner] = [place != PARKED for place in for_cards]
             senses = body.act(rest)
-        numbers[tick], truth[tick] = face_numbers(senses), body.teacher_angles
+        numbers[tick], truth[tick] = face_numbers(body, senses), body.teacher_angles
         images.append(body.images[0])
         report((tick + 1) / longest)
     body.place(CARD, np.array(PARKED))
@@ -181,7 +179,7 @@ def search(body: SeeingBody, start_pan: float, patience_s: float) -> Search:
         senses = body.act(body.command_angles(goal))
         images.append(body.images[0])
         pans.append(float(body.joint_angles[0, 0]))
-        seen = np.isfinite(face_numbers(senses)[0].reshape(len(FACE), 2, NUMBERS)[:, 0, 0]).sum()
+        seen = np.isfinite(body.senses.read(senses, "place", FACE)[0, :, 0, 0]).sum()
         if seen >= LEAST_FACE:
             return Search(True, clock, len(pans), images, pans)
         clock += body.tick_s

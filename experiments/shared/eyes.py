@@ -1,6 +1,6 @@
 """Eyes, toys and minds: what the experiments with a seeing head share."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,10 @@ from experiments.shared.options import EyeOptions
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
 from models.biclops.room import Ball
-from models.heads import EYE_HEIGHT, clear_away, stage
+from models.heads import clear_away, stage
 from models.retina import RetinaOptions
-from models.seeing_body import SeeingBody
+from models.robots import EYE_HEIGHT, head_of
+from models.seeing_body import Perceive, SeeingBody
 
 FloatArray = NDArray[np.float64]
 
@@ -37,11 +38,8 @@ COPIES = 16
 """Heads that babble side by side, each before toys hung up its own way."""
 BOUT = 6
 """Saccades between two rests."""
-REACH = Reach(np.array([-0.70, -0.40]), np.array([0.70, 0.62]), np.array([0.56, 0.44]))
-"""Postures and saccades that are babbled, rad."""
-REACH_LOW_TILT = {"hoap2": (-0.24, 0.62)}
-"""HOAP-2 tilts its head only 15 degrees up."""
-REST = {"biclops": (0.0, 0.0), "hoap2": (0.0, 0.16)}
+REACH_PAN, LARGEST = 0.70, (0.56, 0.44)
+"""rad: pan to either side, and saccades, that are babbled."""
 
 
 def retina_of(eyes: EyeOptions) -> RetinaOptions:
@@ -49,10 +47,31 @@ def retina_of(eyes: EyeOptions) -> RetinaOptions:
     return RetinaOptions(eyes.width, eyes.height, eyes.fovy_deg, eyes.noise, eyes.blur)
 
 
+def open_eyes(
+    eyes: EyeOptions,
+    perceive: Perceive,
+    *,
+    copies: int,
+    tick_s: float,
+    seed: int,
+    rest: tuple[float, float] | None = None,
+    teacher: bool = False,
+    distance: float = 0.8,
+    balls: Sequence[Ball] = (),
+    card: bool = False,
+) -> SeeingBody:
+    """Heads with these eyes on a stage; see `models.heads.stage` and `SeeingBody`."""
+    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=card).compile()
+    return SeeingBody(
+        model, eyes.robot, perceive, retina=retina_of(eyes), renderer=eyes.renderer, copies=copies, tick_s=tick_s,
+        seed=seed, rest=rest,
+    )  # fmt: skip
+
+
 def reach_of(robot: str) -> Reach:
     """Postures that are babbled."""
-    low, high = REACH_LOW_TILT.get(robot, (REACH.low[1], REACH.high[1]))
-    return Reach(np.array([REACH.low[0], low]), np.array([REACH.high[0], high]), REACH.largest)
+    low, high = head_of(robot).tilt
+    return Reach(np.array([-REACH_PAN, low]), np.array([REACH_PAN, high]), np.array(LARGEST))
 
 
 def toy_places(copies: int, seed: int) -> FloatArray:
@@ -76,20 +95,9 @@ def toy_places(copies: int, seed: int) -> FloatArray:
 def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
     """Heads among toys."""
     balls = [Ball(name, (1.0, 0.0, 0.2), COLOURS[name], TOY_RADIUS) for name in TOYS]
-    model = stage(options.robot, balls=balls).compile()
-    clear_away(model, "table")  # toys hang below its top too
-    body = SeeingBody(
-        model,
-        options.robot,
-        Finder(TOYS, LEAST_TOY * (options.height / 120) ** 2),
-        len(TOYS),
-        retina=retina_of(options),
-        renderer=options.renderer,
-        copies=copies,
-        tick_s=SACCADE_S,
-        seed=seed,
-        rest=REST[options.robot],
-    )
+    find = Finder(TOYS, LEAST_TOY * (options.height / 120) ** 2)
+    body = open_eyes(options, find, copies=copies, tick_s=SACCADE_S, seed=seed, balls=balls)
+    clear_away(body.model, "table")  # toys hang below its top too
     for name, places in zip(TOYS, toy_places(copies, seed), strict=True):
         body.place(name, places)
     return body

@@ -13,8 +13,8 @@ import tyro
 
 from experiments.errors import ExperimentError
 from imitation.inference.selection import selection_rule
-from models.heads import head_facts
-from models.loading import find as find_robot
+from models.robots import find as find_robot
+from models.robots import head_of
 from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 20.0
@@ -181,4 +181,4 @@ class EyeOptions(Options):
     def check(self) -> None:
         """See `Options`."""
         super().check()
-        head_facts(self.robot)
+        head_of(self.robot)

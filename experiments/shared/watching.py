@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from imitation.acting.movement import Movement
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.hoap2.facts import JOINTS
 from models.motion import FORMATS, JointTrajectory, read_motion
 from models.retargeting import Retargeted, retarget
+from models.robots import limbs_of
 from models.teachers.performance import Performance
 from models.teachers.performing import perform
 from models.teachers.urdf import perform_urdf, read_urdf, remarks
@@ -57,11 +57,11 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
         trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints)
         return _seen(trajectory, body, None, None)
     performance, remarks = watch_urdf(demonstration, motion) if suffix == ".urdf" else (perform(demonstration), ())
-    if set(body.joints) != set(JOINTS):
-        raise BodyError(
-            f"{body.name}: limb directions can be shown to hoap2 only; give this robot joint angles "
-            f"({' or '.join(sorted(FORMATS))} with columns {', '.join(body.joints[:3])} ...)"
-        )
+    try:
+        limbs_of(body.name, body.joints)
+    except BodyError as error:
+        columns = f"{' or '.join(sorted(FORMATS))} with columns {', '.join(body.joints[:3])} ..."
+        raise BodyError(f"{error}; give this robot joint angles ({columns})") from None
     retargeted = retarget(performance, body.tick_s)
     seen = _seen(retargeted.trajectory.reordered(body.joints), body, performance, retargeted)
     return replace(seen, remarks=remarks)

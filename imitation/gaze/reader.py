@@ -41,7 +41,7 @@ class Geometry:
     focal_px: float
     """Pixels per radian of one's own turning, at the middle of the image."""
 
-    def locate(self, things: FloatArray, tilt: float) -> FloatArray:
+    def locate(self, things: FloatArray, tilt: float | FloatArray) -> FloatArray:
         """(..., 4) things (left u, v, right u, v from the middle) to (..., 3) places: ahead, left, up of the middle
         between the eyes, levelled by the felt tilt (down is positive), in units of the distance between the eyes.
         """

@@ -27,6 +27,8 @@ class Finder:
     where toys are known to be larger, the rim of one thing in front of another is not taken for a third.
     """
 
+    areas = False
+
     def __init__(self, labels: Sequence[str] = tuple(COLOURS), least_area: float = LEAST_AREA) -> None:
         self.labels, self.least_area = tuple(labels), least_area
 
@@ -37,6 +39,8 @@ class Finder:
 
 class Measurer:
     """Images to (K, 3) u, v and area of the colours in `labels`: with the area, what is partly hidden can be told."""
+
+    areas = True
 
     def __init__(self, labels: Sequence[str]) -> None:
         self.labels = tuple(labels)

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from models.errors import BodyError
 from models.maze.maze import ACTIONS, Maze
+from models.senses import Channel, Senses
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -55,33 +56,17 @@ class MazeBody:
             if abs(total - 1) > 1e-9:
                 raise BodyError(f"dynamics: the row of action {action} sums to {total:g}, not to 1")
         self._rng = np.random.default_rng([*np.atleast_1d(seed).tolist(), 0x3A2E])
+        self.motor_low, self.motor_high = np.zeros(1), np.full(1, size - 1.0)
+        self.tick_s = 1.0  # one step is called one second
+        self.senses = Senses(
+            (
+                Channel("place", "place", "cells", ("x", "y"), 1.0, (maze.width, maze.height)),
+                Channel("touch", "touch", "1", ACTIONS[:4], 0.0, 1.0, suffix="touch"),
+            )
+        )
+        self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self._thresholds = np.cumsum(self.dynamics, axis=1)[:, :-1]
         self._cell: IntArray = np.full(copies, maze.number(maze.start))
-
-    @property
-    def motor_low(self) -> FloatArray:
-        """(1,) number of the first action."""
-        return np.zeros(1)
-
-    @property
-    def motor_high(self) -> FloatArray:
-        """(1,) number of the last action."""
-        return np.full(1, len(ACTIONS) - 1.0)
-
-    @property
-    def sense_low(self) -> FloatArray:
-        """(6,) x and y from 1, touch from 0."""
-        return np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-
-    @property
-    def sense_high(self) -> FloatArray:
-        """(6,) x and y to the maze's size, touch to 1."""
-        return np.array([self.maze.width, self.maze.height, 1.0, 1.0, 1.0, 1.0])
-
-    @property
-    def tick_s(self) -> float:
-        """One step is called one second."""
-        return 1.0
 
     @property
     def fingerprint(self) -> str:
@@ -123,8 +108,5 @@ class MazeBody:
 
     def feel(self) -> FloatArray:
         """(B, 6) sensations now."""
-        senses = np.empty((self.copies, 6))
-        senses[:, 0] = self._cell % self.maze.width + 1
-        senses[:, 1] = self._cell // self.maze.width + 1
-        senses[:, 2:] = self.maze.blocked[self._cell, :4]
-        return senses
+        place = np.stack([self._cell % self.maze.width, self._cell // self.maze.width], axis=-1) + 1.0
+        return self.senses.vector({"place": place, "touch": self.maze.blocked[self._cell, :4]})

@@ -31,7 +31,7 @@ def directions(q: FloatArray) -> FloatArray:
 
 
 class Creature:
-    """Body and mirror in one. Senses are the angles in the order `wiring`, and their (silent) rates."""
+    """Body and mirror in one. Senses are the angles in the order `wiring`, and how fast they changed."""
 
     tick_s, fingerprint, parts = 0.02, "creature", PARTS
 
@@ -39,20 +39,23 @@ class Creature:
         self.copies, self.noise = copies, noise
         self.wiring = np.array(wiring)
         self.motor_low, self.motor_high = -np.ones(5), np.ones(5)
-        self.sense_low, self.sense_high = np.full(10, -1.5), np.full(10, 1.5)
-        self.angles = np.zeros((copies, 5))
+        self.sense_high = np.repeat([1.5, 3.0 / self.tick_s], 5)
+        self.sense_low = -self.sense_high
+        self.angles, self.before = np.zeros((2, copies, 5))
         self.rng = np.random.default_rng(seed)
 
     def reset(self) -> FloatArray:
-        self.angles = np.zeros((self.copies, 5))
+        self.angles, self.before = np.zeros((2, self.copies, 5))
         return self.feel()
 
     def act(self, motors: FloatArray) -> FloatArray:
+        self.before = self.angles.copy()
         self.angles[:, self.wiring] = np.clip(1.5 * motors, -1.5, 1.5)
         return self.feel()
 
     def feel(self) -> FloatArray:
-        return np.concatenate([self.angles[:, self.wiring], np.zeros_like(self.angles)], axis=1)
+        rates = (self.angles - self.before) / self.tick_s
+        return np.concatenate([self.angles, rates], axis=1)[:, np.concatenate([self.wiring, 5 + self.wiring])]
 
     def look(self) -> FloatArray:
         seen = directions(self.angles)

@@ -12,7 +12,9 @@ from imitation.seeing.features import Feature
 from imitation.seeing.finding import Finder, places
 from models.biclops import SCENE
 from models.errors import BodyError
-from models.heads import EYE_HEIGHT, HEADS, check_sees, stage
+from models.heads import stage
+from models.retina import open_eye
+from models.robots import EYE_HEIGHT, ROBOTS, head_of
 from models.seeing_body import SeeingBody, head_fingerprint
 
 
@@ -21,12 +23,13 @@ def body() -> SeeingBody:
     return nursery(EyeOptions(width=80, height=60), 0, copies=2)
 
 
-@pytest.mark.parametrize("robot", HEADS)
+@pytest.mark.parametrize("robot", [name for name, one in ROBOTS.items() if one.head])
 def test_eyes_stand_at_one_height_above_the_table(robot: str) -> None:
     model = stage(robot).compile()
-    body = SeeingBody(model, robot, Finder(TOYS), len(TOYS), retina=retina_of(EyeOptions(width=16, height=12)))
+    retina = retina_of(EyeOptions(width=16, height=12))
+    body = SeeingBody(model, robot, Finder(TOYS), retina=retina, rest=(0.0, 0.0))
     body.reset()
-    height = body._view(0).camera("left_eye").xpos[2] - HEADS[robot].table[2]
+    height = body._view(0).camera("left_eye").xpos[2] - head_of(robot).table[2]
     assert height == pytest.approx(EYE_HEIGHT, abs=0.003)
 
 
@@ -82,8 +85,8 @@ def test_a_scene_without_cameras_is_refused() -> None:
 
     blind = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
     with pytest.raises(BodyError, match="this scene has no cameras at all"):
-        check_sees(blind, ("left_eye",))
-    check_sees(mujoco.MjModel.from_xml_path(str(SCENE)), ("left_eye", "right_eye"))
+        open_eye(blind, "left_eye")
+    open_eye(mujoco.MjModel.from_xml_path(str(SCENE)), "left_eye")
 
 
 def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:

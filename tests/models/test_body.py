@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from models.body import SimulatedBody, Wear
+from models.body import SimulatedBody
 from models.errors import BodyError
 from models.loading import compiled, load_body, servos
+from models.wear import Wear
 from models.wiring import Wiring
 
 

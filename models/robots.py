@@ -1,0 +1,139 @@
+"""Robots one can ask for by name, and everything that an experiment may have to know of one beforehand."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+
+from models import biclops, hoap2
+from models.biclops.facts import CAMERA_HEIGHT, MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S, PAN_HEIGHT
+from models.errors import BodyError, unknown
+from models.hoap2.facts import WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
+from models.hoap2.limbs import LIMBS, Limb
+from models.hoap2.make_stand import TORSO_HEIGHT
+from models.wear import Wear
+
+EYE_HEIGHT = PAN_HEIGHT + CAMERA_HEIGHT
+"""Metres of every robot's eyes above the table it is put before."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """A head that sees, and how to put it before something."""
+
+    motors: tuple[str, str]
+    """Actuators (and joints) of pan and tilt."""
+    max_speed: tuple[float, float]
+    """rad/s, of the run profile."""
+    max_acceleration: tuple[float, float]
+    """rad/s^2, of the run profile."""
+    table: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Origin of the table's frame in the robot's world, m."""
+    eyes: tuple[str, str] = ("left_eye", "right_eye")
+    """Cameras."""
+    rest: tuple[float, float] = (0.0, 0.0)
+    """Pan and tilt to rest at, rad."""
+    tilt: tuple[float, float] = (-0.40, 0.62)
+    """How far it is tilted up and down in babbling, rad."""
+    room: Path | None = None
+    """The robot at its table; None puts table and walls around it."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A body one can ask for by name."""
+
+    path: Path
+    """MJCF of the robot where it babbles."""
+    about: str
+    home: str | None = None
+    """Keyframe it rests at."""
+    wear: Wear = Wear()  # noqa: RUF009  (frozen)
+    head: Head | None = None
+    """None for a robot without eyes."""
+    limbs: Mapping[str, Limb] = field(default_factory=dict)
+    """Limbs whose directions can be shown to it: by a teacher, in a mirror."""
+    babbles: Literal["joints", "eyes"] = "joints"
+    """What its babbling is about: its joints, or what its movements do to what it sees."""
+
+
+_HOAP2 = Robot(
+    hoap2.STAND,
+    "HOAP-2 hung by its torso on a stand, 25 joints",
+    "home",
+    head=Head(  # eyes at waist + neck + tilt axis - 5 mm; speed as in its MJCF; acceleration: .2 s to top speed
+        motors=("head_joint_1", "head_joint_2"),
+        max_speed=(4.0, 4.0),
+        max_acceleration=(20.0, 20.0),
+        table=(0.0, 0.0, TORSO_HEIGHT + 0.090 + 0.081 - 0.005 - EYE_HEIGHT),
+        rest=(0.0, 0.16),
+        tilt=(-0.24, 0.62),  # its neck bends only 15 degrees up
+    ),
+    limbs=LIMBS,
+)
+ROBOTS: Mapping[str, Robot] = MappingProxyType(
+    {
+        "hoap2": _HOAP2,
+        "hoap2-worn": replace(
+            _HOAP2,
+            about=f"the same with worn gears: stiction x {WORN_FRICTION_FACTOR:g}, backlash {WORN_BACKLASH_DEG:g} deg",
+            wear=Wear(WORN_FRICTION_FACTOR, float(np.deg2rad(WORN_BACKLASH_DEG))),
+            head=None,
+        ),
+        "biclops": Robot(
+            biclops.ROBOT,
+            "a Biclops-like pan-tilt head with two cameras",
+            "home",
+            head=Head(
+                motors=("pan", "tilt"),
+                max_speed=(np.deg2rad(MAX_SPEED_DEG_S[0]), np.deg2rad(MAX_SPEED_DEG_S[1])),
+                max_acceleration=(np.deg2rad(MAX_ACCELERATION_DEG_S2[0]), np.deg2rad(MAX_ACCELERATION_DEG_S2[1])),
+                room=biclops.SCENE,
+            ),
+            babbles="eyes",
+        ),
+    }
+)
+"""Every robot."""
+
+
+def find(name_or_path: str) -> Robot | None:
+    """The registered robot of this name; None for what looks like a path.
+
+    Raises:
+        BodyError: neither.
+    """
+    path = Path(name_or_path)
+    known = name_or_path in ROBOTS
+    if not known and not (path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1 or path.exists()):
+        raise BodyError(unknown("robot", name_or_path, ROBOTS) + ", or the path of an MJCF file")
+    return ROBOTS.get(name_or_path)
+
+
+def head_of(robot: str) -> Head:
+    """The head of this robot.
+
+    Raises:
+        BodyError: no such robot, or one that cannot see; those that can are listed.
+    """
+    heads = {name: one.head for name, one in ROBOTS.items() if one.head is not None}
+    if robot not in heads:
+        raise BodyError(unknown("robot with eyes", robot, heads))
+    return heads[robot]
+
+
+def limbs_of(name: str, joints: Iterable[str]) -> Mapping[str, Limb]:
+    """The limbs whose directions can be shown to a body with these joints, registered or out of a file.
+
+    Raises:
+        BodyError: it has no such limbs; robots that have are listed.
+    """
+    have = set(joints)
+    for limbs in (one.limbs for one in ROBOTS.values() if one.limbs):
+        if have >= {joint for limb in limbs.values() for joint in limb.joints}:
+            return limbs
+    fit = ", ".join(robot for robot, one in ROBOTS.items() if one.limbs)
+    raise BodyError(f"{name}: limb directions can be shown to {fit} only")
