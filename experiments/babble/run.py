@@ -2,19 +2,17 @@
 
 from pathlib import Path
 
-from rich.console import Console
-from rich.markdown import Markdown
-
 from babbling.storage import check_kind
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
-from experiments.gesture.figures import learning_curve
+from experiments.gesture.figures import babbling_curve
 from experiments.gesture.run import curve_metrics
 from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, try_writing
 from experiments.shared.minds import learn_mind, save_learned
 from experiments.shared.progress import progress
+from experiments.shared.tables import show, table
 
 
 def command(config: Config) -> None:
@@ -39,7 +37,7 @@ def command(config: Config) -> None:
     metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
     out.with_suffix(".json").write_text(as_json(metrics))
     assert learned.curve is not None
-    learning_curve(learned.curve).savefig(out.with_suffix(".png"), dpi=130)
+    babbling_curve(learned.curve).savefig(out.with_suffix(".png"), dpi=130)
     rows = [
         ("body time", f"{metrics['babbling_body_minutes']:.1f} + {metrics['pilot_body_minutes']:.1f} minutes (pilot)"),
         ("transitions", f"{metrics['babbling_transitions']:,} over {len(learned.mind.forward_model.factors)} factors"),
@@ -47,8 +45,7 @@ def command(config: Config) -> None:
         ("held-out error, one tick ahead", f"{metrics['learning_curve_table_deg'][-1]:.4f} deg"),
         ("the same, least-squares line", f"{metrics['learning_curve_linear_deg'][-1]:.4f} deg"),
     ]
-    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
-    Console().print(Markdown(table))
+    show(table(rows))
     print(f"\nwritten to {out} (and {out.with_suffix('.png').name}, {out.with_suffix('.json').name} beside it)")
 
 
@@ -95,5 +92,5 @@ def with_eyes(config: Config) -> None:
     looking = Looking(robot=config.robot, babbling_minutes=config.babbling_minutes, seed=config.seed, out=out)
     result = look(looking)
     publish("saccades", looking, result)
-    Console().print(Markdown(result.summary))
+    show(result.summary)
     print(f"\nwritten to {out}")

@@ -14,14 +14,16 @@ from babbling.mind import Mind
 from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.options import Config
 from experiments.benchmark.peers import MLPInverse, have_sklearn
-from experiments.gesture.figures import learning_curve
+from experiments.gesture.figures import babbling_curve
 from experiments.gesture.found import TrueAngles
 from experiments.gesture.run import curve_metrics
-from experiments.shared.baselines import direct_replay, replay_commands, rmse_deg
+from experiments.shared.baselines import direct_replay, replay_commands
 from experiments.shared.experiment import Result
-from experiments.shared.minds import COPIES, Curve, LearningCurve, bare_rate, body_of, learn_mind
+from experiments.shared.judging import LearningCurve, rmse_deg
+from experiments.shared.minds import COPIES, HeldOut, bare_rate, body_of, learn_mind
 from experiments.shared.options import BodyOptions
 from experiments.shared.progress import progress
+from experiments.shared.tables import table
 from experiments.shared.watching import watch
 from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import best_eagerness
@@ -39,7 +41,7 @@ def run(config: Config) -> Result:
         learned = learn_mind(config, config.babbling_minutes, report)
     mind = learned.mind
     peers = inverse_models(mind, config)
-    table: dict[str, dict[str, float]] = {}
+    errors: dict[str, dict[str, float]] = {}
     metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
     with progress("imitating") as report:
         gains: dict[str, FloatArray] = {}
@@ -69,9 +71,9 @@ def run(config: Config) -> Result:
                         float(np.quantile(select, 0.99)),
                     )
             row["true inverse dynamics"] = rmse_deg(true_inverse(body, one.angles), one.angles)
-            table[name] = row
+            errors[name] = row
             report((done + 1) / len(seen))
-    metrics["rmse_deg"] = table
+    metrics["rmse_deg"] = errors
     metrics["babbling_efficiency_factor"] = efficiency(config, mind)
     floor = None
     if config.floor > 0 and learned.curve is not None:
@@ -79,10 +81,10 @@ def run(config: Config) -> Result:
         metrics["learning_curve_floor_body_minutes"], metrics["learning_curve_floor_deg"] = floor
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
-    figures = {"peers": bars(table)}
+    figures = {"peers": bars(errors)}
     if learned.curve is not None:
-        figures["learning_curve"] = learning_curve(learned.curve, floor)
-    return Result(metrics, summarise(table, metrics, learned.curve) + "\n\n" + maze_table(maze), figures)
+        figures["learning_curve"] = babbling_curve(learned.curve, floor)
+    return Result(metrics, summarise(errors, metrics, learned.curve, maze), figures)
 
 
 def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
@@ -131,46 +133,52 @@ def curve_floor(options: BodyOptions, mind: Mind, minutes: float) -> tuple[float
     plan = bouts(minutes, body)
     with progress(f"{minutes:.0f} body-minutes for the floor of the learning curve") as report:
         model = babble(body, mind.pilot, plan, options.seed, after_bout=lambda done, so_far: report(done / len(plan)))
-    curve = Curve(options, mind.pilot)
-    curve.note(sum(plan) * COPIES * body.tick_s / 60, model)
-    return float(curve.result().minutes[0]), float(curve.result().table_deg[0])
+    held_out = HeldOut(options, mind.pilot)
+    held_out.note(sum(plan) * COPIES * body.tick_s / 60, model)
+    minutes, table, _ = held_out.points[0]
+    return minutes, table
 
 
-def summarise(table: dict[str, dict[str, float]], metrics: dict[str, Any], curve: LearningCurve | None) -> str:
-    """Peers as a markdown table, degrees, then the costs."""
-    peers = list(next(iter(table.values())))
-    lines = ["Joint error, root mean square over all joints and frames, degrees", ""]
-    lines += ["| peer | " + " | ".join(Path(name).name for name in table) + " |", "|---" * (len(table) + 1) + "|"]
-    lines += [f"| {peer} | " + " | ".join(f"{row[peer]:.4f}" for row in table.values()) + " |" for peer in peers]
-    lines += ["", "| cost | |", "|---|---|"]
-    lines.append(f"| babbling against bare stepping of the same bodies | {metrics['babbling_efficiency_factor']:.2f} |")
-    lines.append(f"| one selection for all joints | {metrics['select_p50_ms']:.2f} ms |")
-    if curve is not None:
-        end = f"{curve.table_deg[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
-        lines.append(f"| held-out prediction error | {end} (line {curve.linear_deg[-1]:.4f}) |")
-    if "learning_curve_floor_deg" in metrics:
-        floor = f"{metrics['learning_curve_floor_deg']:.4f} deg"
-        lines.append(f"| the same after {metrics['learning_curve_floor_body_minutes']:.0f} body-minutes | {floor} |")
-    return "\n".join(lines)
-
-
-def maze_table(rows: list[maze_benchmark.Row]) -> str:
-    """The maze's questions as a markdown table."""
-    lines = ["| maze question | who | us each | times ours | largest difference |", "|---|---|---|---|---|"]
-    lines += [
-        f"| {r.question} | {r.who} | {r.each_us:.3f} | {r.times_ours_factor:.2f} | {r.largest_difference:.1e} |"
-        for r in rows
+def summarise(
+    errors: dict[str, dict[str, float]],
+    metrics: dict[str, Any],
+    curve: LearningCurve | None,
+    maze: list[maze_benchmark.Row],
+) -> str:
+    """Peers, degrees; then the costs; then the maze's questions: three markdown tables."""
+    peers = list(next(iter(errors.values())))
+    costs = [
+        ("babbling against bare stepping of the same bodies", f"{metrics['babbling_efficiency_factor']:.2f}"),
+        ("one selection for all joints", f"{metrics['select_p50_ms']:.2f} ms"),
     ]
-    return "\n".join(lines)
+    if curve is not None:
+        end = f"{curve.table[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
+        costs.append(("held-out prediction error", f"{end} (line {curve.line[-1]:.4f})"))
+    if "learning_curve_floor_deg" in metrics:
+        what = f"the same after {metrics['learning_curve_floor_body_minutes']:.0f} body-minutes"
+        costs.append((what, f"{metrics['learning_curve_floor_deg']:.4f} deg"))
+    answers = [
+        (r.question, r.who, f"{r.each_us:.3f}", f"{r.times_ours_factor:.2f}", f"{r.largest_difference:.1e}")
+        for r in maze
+    ]
+    return "\n\n".join([
+        "Joint error, root mean square over all joints and frames, degrees",
+        table(
+            ((peer, *(f"{row[peer]:.4f}" for row in errors.values())) for peer in peers),
+            ("peer", *(Path(name).name for name in errors)),
+        ),
+        table(costs, ("cost", "")),
+        table(answers, ("maze question", "who", "us each", "times ours", "largest difference")),
+    ])  # fmt: skip
 
 
-def bars(table: dict[str, dict[str, float]]) -> Figure:
+def bars(errors: dict[str, dict[str, float]]) -> Figure:
     """Error of every peer on every demonstration."""
     figure = Figure(figsize=(10, 4.8), layout="constrained")
     axis = figure.subplots()
-    peers = list(next(iter(table.values())))
-    width = 0.85 / len(table)
-    for i, (name, row) in enumerate(table.items()):
+    peers = list(next(iter(errors.values())))
+    width = 0.85 / len(errors)
+    for i, (name, row) in enumerate(errors.items()):
         axis.bar(np.arange(len(peers)) + i * width, [row[peer] for peer in peers], width, label=Path(name).name)
     axis.set_xticks(np.arange(len(peers)) + 0.4, peers, rotation=20, ha="right")
     axis.set_yscale("log")

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from babbling.body_image import BodyImage
 from babbling.pilot import Pilot
-from experiments.shared.mirrors import angles_of, degrees_between
+from experiments.shared.judging import degrees_between
+from experiments.shared.mirrors import angles_of
 from imitation.correspondence.organ import identify
 from imitation.correspondence.tries import try_again
 from models.body import SimulatedBody

@@ -11,10 +11,9 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.gesture.recording import BESIDE, in_place
+from experiments.shared import views
+from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import (
-    DEMONSTRATED,
-    IMITATED,
-    REPLAYED,
     heat_map,
     log_body,
     log_picture,
@@ -43,38 +42,24 @@ def record(path: Path, done: Studied) -> None:
     name = (
         f"{row.performance.name} ({row.performance.teacher}) through a learned correspondence, seed {done.config.seed}"
     )
-    with recording(path, "imitate-correspondence", name, blueprint()) as stream:
-        stream.log("summary", rr.TextDocument(done.summary, media_type=rr.MediaType.MARKDOWN), static=True)
+    with recording(path, "imitate-correspondence", name, layout(), done.summary) as stream:
         _log_world(stream, done)
         _log_directions(stream, done)
         _log_organ(stream, done)
         log_picture(stream, "structure", heat_map(done.noisy_image.organs.information, aspect=2.0))
 
 
-def blueprint() -> rrb.Blueprint:
+def layout() -> rrb.Horizontal:
     """World and summary left; organ, errors and structure right."""
-    world = rrb.Spatial3DView(
-        name="teacher, imitator, and where their parts point",
-        origin="/world",
-        line_grid=False,
-        background=[32, 36, 42],
-        eye_controls=rrb.EyeControls3D(position=[1.2, 0.75, 0.75], look_target=[0.0, 0.28, 0.52]),
-    )
-    return rrb.Blueprint(
-        rrb.Horizontal(
-            rrb.Vertical(world, rrb.TextDocumentView(name="summary", origin="/summary"), row_shares=[2.2, 1]),
-            rrb.Vertical(
-                rrb.StateTimelineView(name="which part moves", origin="/organ", contents=["/organ/identified"]),
-                rrb.TimeSeriesView(name="P(part moves)", origin="/organ/probability"),
-                rrb.TimeSeriesView(name="limb-direction error [deg]", origin="/error"),
-                rrb.Spatial2DView(name="what moves what (part by factor)", origin="/structure"),
-                row_shares=[0.6, 1, 1, 1],
-            ),
-            column_shares=[1.15, 1],
-        ),
-        rrb.TimePanel(state="collapsed", timeline="sim_time", play_state="paused"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.BlueprintPanel(state="hidden"),
+    return views.beside(
+        views.world("teacher, imitator, and where their parts point", (1.2, 0.75, 0.75), (0.0, 0.28, 0.52)),
+        rrb.StateTimelineView(name="which part moves", origin="/organ", contents=["/organ/identified"]),
+        rrb.TimeSeriesView(name="P(part moves)", origin="/organ/probability"),
+        rrb.TimeSeriesView(name="limb-direction error [deg]", origin="/error"),
+        rrb.Spatial2DView(name="what moves what (part by factor)", origin="/structure"),
+        row_shares=[0.6, 1, 1, 1],
+        stage_share=2.2,
+        right_share=0.87,
     )
 
 
@@ -126,8 +111,7 @@ def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
     stream.send_columns("organ/identified", index, rr.StateChange.columns(state=[labels[t] for t in changes]))
     probability = np.stack([organ.probability for organ in found])
     often = np.argsort(-probability.mean(0))[:5]
-    colours = (DEMONSTRATED, IMITATED, (110, 200, 120), (200, 120, 230), (230, 210, 90))
-    for place, colour in zip(often, colours, strict=True):
+    for place, colour in zip(often, SERIES, strict=True):
         series = np.concatenate([np.zeros(window), probability[:, place]])
         log_series(stream, f"organ/probability/{names[place]}", series, tick, names[place], colour)
     for label, who, colour in (("clean eyes", row.clean, IMITATED), ("noisy eyes", row.noisy, DEMONSTRATED)):

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import beta
 
 from babbling.sight import LookingMind
 from experiments.gaze.infer import infer
 from experiments.gaze.trials import TOYS, Scene, Trials, run_trials
+from experiments.shared.judging import interval_95
 from imitation.gaze.reader import EyeLore, GazeReader
 from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance
@@ -102,13 +102,9 @@ def _followed(
         looked[mine] = (ladder < rng.random((len(mine), 1)) * ladder[:, -1:]).sum(1)
     hits = int((looked == trials.target).sum())
     n = len(covered)
-    interval = [
-        float(beta.ppf(0.025, hits, n - hits + 1)) if hits else 0.0,
-        float(beta.ppf(0.975, hits + 1, n - hits)) if hits < n else 1.0,
-    ]
     return {
         "rate": hits / n,
-        "interval_95": interval,
+        "interval_95": interval_95(hits, n),
         "n": n,
         "eyes_seen": float(trials.eyes_seen.mean()),
         "believed_to_see": belief[bool(covered.mean() > 0.5)][0],

@@ -26,8 +26,10 @@ from experiments.gaze.trials import (
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
+from experiments.shared.judging import calibration_error
 from experiments.shared.progress import progress
-from imitation.gaze.reader import GazeReader, Preferences, calibration_error
+from experiments.shared.tables import table
+from imitation.gaze.reader import GazeReader, Preferences
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.seeing_body import head_fingerprint
 
@@ -224,5 +226,4 @@ def _summary(metrics: dict[str, Any]) -> str:
         *((f"followed, {name}", f"blindfold {100 * row['blindfold']['rate']:.0f} %, headband "
            f"{100 * row['headband']['rate']:.0f} %") for name, row in rates.items()),
     ]  # fmt: skip
-    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
-    return f"# {metrics['robot']} follows gaze\n\n{table}\n"
+    return f"# {metrics['robot']} follows gaze\n\n{table(rows)}\n"

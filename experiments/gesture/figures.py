@@ -4,16 +4,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.gesture.found import Performed
-from experiments.shared.minds import LearningCurve
-
-BLUE, ORANGE, GREY = "#3b6fd4", "#e8722a", "#8a8a8a"
+from experiments.shared.figures import learning_curve
+from experiments.shared.judging import LearningCurve
+from experiments.shared.palette import OURS, PLAIN, THEIRS
 
 
 def figures(done: Performed) -> dict[str, Figure]:
     """File stem -> figure."""
     made = {"imitation": imitation(done), "body_schema": body_schema(done)}
     if done.learned.curve is not None:
-        made["learning_curve"] = learning_curve(done.learned.curve)
+        made["learning_curve"] = babbling_curve(done.learned.curve)
     return made
 
 
@@ -26,9 +26,9 @@ def imitation(done: Performed) -> Figure:
     for (left, right), joint in zip(axes, chosen, strict=True):
         wanted = np.rad2deg(done.seen.angles[:, joint])
         for values, colour, label, width in (
-            (np.rad2deg(done.replayed[:, joint]), GREY, "replayed", 1.0),
-            (wanted, BLUE, "demonstrated", 2.6),
-            (np.rad2deg(done.imitated[:, joint]), ORANGE, "imitated", 1.1),
+            (np.rad2deg(done.replayed[:, joint]), PLAIN, "replayed", 1.0),
+            (wanted, THEIRS, "demonstrated", 2.6),
+            (np.rad2deg(done.imitated[:, joint]), OURS, "imitated", 1.1),
         ):
             left.plot(time, values, color=colour, label=label, lw=width)
             if label != "demonstrated":
@@ -63,16 +63,12 @@ def body_schema(done: Performed) -> Figure:
     return figure
 
 
-def learning_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
+def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
     """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
-    figure = Figure(figsize=(6.5, 4.2), layout="constrained")
-    axis = figure.subplots()
-    axis.plot(curve.minutes, curve.table_deg, "o-", color=ORANGE, label="forward model (table)")
-    axis.plot(curve.minutes, curve.linear_deg, "s--", color=GREY, label="least-squares line, same experience")
-    if floor is not None:
-        axis.axhline(floor[1], color=BLUE, lw=1, label=f"table after {floor[0]:.0f} body-minutes")
-    axis.set_xlabel("babbling [body-minutes]")
-    axis.set_ylabel("error of predicted posture, one tick ahead [deg]")
-    axis.set_title("Learning curve on held-out babbling")
-    axis.legend(frameon=False)
-    return figure
+    return learning_curve(
+        curve.minutes,
+        {"forward model (table)": curve.table, "least-squares line, same experience": curve.line},
+        ("babbling [body-minutes]", "error of predicted posture, one tick ahead [deg]"),
+        "Learning curve on held-out babbling",
+        None if floor is None else (f"table after {floor[0]:.0f} body-minutes", floor[1]),
+    )

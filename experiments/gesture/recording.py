@@ -8,10 +8,9 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from experiments.gesture.found import Performed
+from experiments.shared import views
+from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import (
-    DEMONSTRATED,
-    IMITATED,
-    REPLAYED,
     heat_map,
     log_bars,
     log_body,
@@ -34,23 +33,15 @@ def record(path: Path, done: Performed) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
     name = f"{done.seen.movement.name} by {done.robot}, seed {done.seed}"
-    with recording(path, "imitate-gesture", name, blueprint(joints)) as stream:
-        stream.log("summary", rr.TextDocument(done.summary, media_type=rr.MediaType.MARKDOWN), static=True)
+    with recording(path, "imitate-gesture", name, layout(joints), done.summary) as stream:
         _log_world(stream, done)
         _log_joints(stream, done)
         _log_beliefs(stream, done)
         _log_babbling(stream, done)
 
 
-def blueprint(joints: list[str]) -> rrb.Blueprint:
+def layout(joints: list[str]) -> rrb.Horizontal:
     """3D left; joint angles, posterior, correction right; summary."""
-    world = rrb.Spatial3DView(
-        name="imitator and teacher",
-        origin="/world",
-        line_grid=False,
-        background=[32, 36, 42],
-        eye_controls=rrb.EyeControls3D(position=[1.12, 0.27, 0.55], look_target=[0.0, 0.27, 0.3]),
-    )
     angles = [
         rrb.TimeSeriesView(
             name=joint,
@@ -72,15 +63,13 @@ def blueprint(joints: list[str]) -> rrb.Blueprint:
         rrb.Spatial2DView(name="table coverage", origin="/babbling/coverage"),
         active_tab=0,
     )
-    return rrb.Blueprint(
-        rrb.Horizontal(
-            rrb.Vertical(world, rrb.TextDocumentView(name="summary", origin="/summary"), row_shares=[2.2, 1]),
-            rrb.Vertical(*angles, rrb.Horizontal(*beliefs), more, row_shares=[1, 1, 1, 1.1, 1.2]),
-            column_shares=[1, 1.1],
-        ),
-        rrb.TimePanel(state="collapsed", timeline="sim_time", play_state="paused"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.BlueprintPanel(state="hidden"),
+    return views.beside(
+        views.world("imitator and teacher", (1.12, 0.27, 0.55), (0.0, 0.27, 0.3)),
+        *angles,
+        rrb.Horizontal(*beliefs),
+        more,
+        row_shares=[1, 1, 1, 1.1, 1.2],
+        stage_share=2.2,
     )
 
 
@@ -129,8 +118,7 @@ def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
 
 def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
     tick, last = done.body.tick_s, done.attempts[-1]
-    colours = ((255, 140, 40), (110, 200, 120), (200, 120, 230))
-    for joint, colour in zip(done.busiest[:SHOWN], colours, strict=False):
+    for joint, colour in zip(done.busiest[:SHOWN], SERIES, strict=False):
         factor, name = done.factors[joint], done.body.joints[joint]
         posterior = last.posterior[:, factor]
         log_bars(stream, f"belief/{name}/posterior", posterior, tick)

@@ -10,8 +10,9 @@ from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed, TrueAngles
 from experiments.gesture.options import Config
 from experiments.gesture.recording import record
-from experiments.shared.baselines import direct_replay, rmse_deg
+from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
+from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import (
     Eyes,
@@ -21,6 +22,7 @@ from experiments.shared.mirrors import (
     through_mirror,
 )
 from experiments.shared.progress import progress
+from experiments.shared.tables import table
 from experiments.shared.watching import Seen, retarget_metrics, watch
 from imitation.acting.loop import Attempt, imitate
 from imitation.acting.rehearsal import best_eagerness
@@ -125,34 +127,28 @@ def curve_metrics(learned: Learned) -> dict[str, Any]:
         return {}
     return {
         "learning_curve_body_minutes": learned.curve.minutes,
-        "learning_curve_table_deg": learned.curve.table_deg,
-        "learning_curve_linear_deg": learned.curve.linear_deg,
+        "learning_curve_table_deg": learned.curve.table,
+        "learning_curve_linear_deg": learned.curve.line,
     }
-
-
-def correspondence_rows(seen: Seen, metrics: dict[str, Any]) -> list[tuple[str, str]]:
-    """What the learned correspondence did, where one was used."""
-    if seen.corresponded is None:
-        return []
-    both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"
-    return [("limb directions off where they can be reached: learned / inverse kinematics", both)]
 
 
 def summarise(metrics: dict[str, Any], seen: Seen) -> str:
     """The result as a markdown table."""
+    deg = {key: f"{value:.4f} deg" for key, value in metrics.items() if isinstance(value, float)}
     rows = [
-        (
-            "joint error, imitated (attempt " + f"{len(metrics['attempts_rmse_deg'])})",
-            f"{metrics['joint_rmse_deg']:.4f} deg",
-        ),
+        (f"joint error, imitated (attempt {len(metrics['attempts_rmse_deg'])})", deg["joint_rmse_deg"]),
         ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
-        ("joint error, direct replay", f"{metrics['direct_replay_rmse_deg']:.4f} deg"),
-        ("joint error, linear inverse model in the same loop", f"{metrics['linear_peer_rmse_deg']:.4f} deg"),
+        ("joint error, direct replay", deg["direct_replay_rmse_deg"]),
+        ("joint error, linear inverse model in the same loop", deg["linear_peer_rmse_deg"]),
         (
             "limb directions off, inverse kinematics (what this body cannot do included)",
             f"{metrics['retarget_error_deg']:.2f} deg",
         ),
-        *correspondence_rows(seen, metrics),
+    ]
+    if seen.corresponded is not None:
+        both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"
+        rows.append(("limb directions off where they can be reached: learned / inverse kinematics", both))
+    rows += [
         (
             "babbling",
             f"{metrics['babbling_body_minutes']:.1f} body-minutes + {metrics['pilot_body_minutes']:.1f} pilot",
@@ -162,4 +158,4 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
         ("motors whose joint babbling found", f"{metrics['body_schema_correct_share']:.0%}"),
     ]
     title = f"**{seen.movement.name}**, {metrics['frames'] * metrics['tick']:.1f} s, by {metrics['robot']}"
-    return "\n".join([title, "", "| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
+    return f"{title}\n\n{table(rows)}"

@@ -8,10 +8,11 @@ from babbling.storage import load_mind
 from experiments.errors import ExperimentError
 from experiments.head.figures import recalled
 from experiments.head.options import Config
-from experiments.head.recall import reproduce, rms_deg
+from experiments.head.recall import reproduce
 from experiments.head.recording import record_recall, record_search
 from experiments.shared.caregiver import Search
 from experiments.shared.experiment import Result
+from experiments.shared.judging import rmse_deg
 from imitation.head_memory import load_head_memory
 from models.seeing_body import head_fingerprint, watching_body
 
@@ -50,7 +51,7 @@ def from_memory(config: Config) -> Result:
     mind, _ = load_mind(beside)
     mind.check(watching_body(config.robot))
     imitated = reproduce(memory, mind, config.robot, config.selection, config.seed)
-    away = rms_deg([imitated], [memory.pose])
+    away = rmse_deg(imitated, memory.pose)
     metrics: dict[str, Any] = {
         "robot": config.robot,
         "movement": memory.name,

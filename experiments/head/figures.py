@@ -1,26 +1,21 @@
 """Figures of head imitation: demonstrated, estimated and imitated angles; what a head at a posture looks like."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
+from experiments.head.found import Performed, Seen
 from experiments.shared.caregiver import FACE
+from experiments.shared.judging import rmse_deg
+from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.views import AXES
 from imitation.head_memory import HeadMemory
 from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 
-if TYPE_CHECKING:
-    from experiments.head.found import Performed, Seen
-
-FloatArray = NDArray[np.float64]
-AXES = ("pan", "tilt")
-TRUE, RAW, ESTIMATED, IMITATED = "#222222", "#bbbbbb", "#4c72b0", "#d9541e"
-_INK = {"red": "#d62728", "blue": "#1f4fd8", "green": "#2ca02c", "yellow": "#d4b400", "magenta": "#c218c2"}
+RAW = "#bbbbbb"
 
 
 def figures(appearance: Appearance, seen: list[Seen], performed: list[Performed]) -> dict[str, Figure]:
@@ -41,9 +36,9 @@ def movement(one: Seen, done: Performed) -> Figure:
         axes = panels[i]
         _hide(axes, time, one.hidden)
         axes.plot(time[frames], np.rad2deg(one.watched.raw[frames, i]), ".", color=RAW, ms=3, label="each frame alone")
-        axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=TRUE, lw=3.2, alpha=0.35, label="demonstrated")
-        axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=ESTIMATED, lw=1.3, label="estimated")
-        axes.plot(time, np.rad2deg(done.imitated[:, i]), color=IMITATED, lw=1.0, ls="--", label="imitated")
+        axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=DARK, lw=3.2, alpha=0.35, label="demonstrated")
+        axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=THEIRS, lw=1.3, label="estimated")
+        axes.plot(time, np.rad2deg(done.imitated[:, i]), color=OURS, lw=1.0, ls="--", label="imitated")
         axes.set_ylabel(f"{name} [deg]")
         ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
         axes.set_ylim(ends[0] - 4, ends[1] + 4)
@@ -51,8 +46,8 @@ def movement(one: Seen, done: Performed) -> Figure:
     _hide(panels[2], time, one.hidden)
     for values, colour, label in (
         (one.watched.raw, RAW, "each frame alone"),
-        (one.watched.pose, ESTIMATED, "estimated"),
-        (done.imitated, IMITATED, "imitated"),
+        (one.watched.pose, THEIRS, "estimated"),
+        (done.imitated, OURS, "imitated"),
     ):
         away = np.hypot(*np.rad2deg(values - one.truth)[frames].T)
         panels[2].plot(time[frames], away, color=colour, lw=1.2, label=label)
@@ -81,8 +76,8 @@ def looks(appearance: Appearance) -> Figure:
         for feature, name in enumerate(FACE):
             u, v = numbers[..., feature, eye, 0], numbers[..., feature, eye, 1]
             for row in range(0, 25, 6):
-                axes.plot(u[row], v[row], color=_INK[name], lw=1.3)
-                axes.plot(u[:, row], v[:, row], color=_INK[name], lw=0.6, alpha=0.7)
+                axes.plot(u[row], v[row], color=INKS[name], lw=1.3)
+                axes.plot(u[:, row], v[:, row], color=INKS[name], lw=0.6, alpha=0.7)
         axes.set(title=f"{('left', 'right')[eye]} eye", xlabel="u [px]", aspect="equal")
     panels[0].set_ylabel("v [px]")
     panels[0].invert_yaxis()
@@ -94,25 +89,20 @@ def looks(appearance: Appearance) -> Figure:
 
 def errors(seen: list[Seen], performed: list[Performed]) -> Figure:
     """Every sequence's error, by kind of estimate."""
-    from experiments.head.recall import rms_deg
-
     figure = Figure(figsize=(8, 3.8), layout="constrained")
     axes = figure.subplots()
-    rows = {
-        "each frame alone": ([rms_deg([o.watched.raw], [o.truth]) for o in seen], RAW, "s"),
-        "raw, replayed": (
-            [rms_deg([p.replayed], [o.truth]) for o, p in zip(seen, performed, strict=True)],
-            "0.45",
-            "x",
-        ),
-        "filter (past only)": ([rms_deg([o.watched.live], [o.truth]) for o in seen], "#7fa7d9", "v"),
-        "estimated": ([rms_deg([o.watched.pose], [o.truth]) for o in seen], ESTIMATED, "o"),
-        "imitated": ([rms_deg([p.imitated], [o.truth]) for o, p in zip(seen, performed, strict=True)], IMITATED, "D"),
+    rows: dict[str, tuple[list[FloatArray], str, str]] = {
+        "each frame alone": ([o.watched.raw for o in seen], RAW, "s"),
+        "raw, replayed": ([p.replayed for p in performed], PLAIN, "x"),
+        "filter (past only)": ([o.watched.live for o in seen], "#7fa7d9", "v"),
+        "estimated": ([o.watched.pose for o in seen], THEIRS, "o"),
+        "imitated": ([p.imitated for p in performed], OURS, "D"),
     }
-    for label, (values, colour, mark) in rows.items():
+    for label, (poses, colour, mark) in rows.items():
+        values = [rmse_deg(pose, one.truth) for pose, one in zip(poses, seen, strict=True)]
         axes.plot(np.arange(1, len(values) + 1), values, mark, color=colour, ms=5, label=label)
-    axes.axhline(0.8, color=ESTIMATED, lw=0.8, ls=":")
-    axes.axhline(1.0, color=IMITATED, lw=0.8, ls=":")
+    axes.axhline(0.8, color=THEIRS, lw=0.8, ls=":")
+    axes.axhline(1.0, color=OURS, lw=0.8, ls=":")
     axes.set(yscale="log", xlabel="sequence", ylabel="RMS error [deg]")
     axes.legend(fontsize=8, frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
     return figure
@@ -124,8 +114,8 @@ def recalled(memory: HeadMemory, imitated: FloatArray) -> Figure:
     panels = figure.subplots(2, 1, sharex=True)
     time = np.arange(len(memory.pose)) * memory.tick_s
     for i, (axes, name) in enumerate(zip(panels, AXES, strict=True)):
-        axes.plot(time, np.rad2deg(memory.pose[:, i]), color=ESTIMATED, lw=3, alpha=0.4, label="remembered")
-        axes.plot(time, np.rad2deg(imitated[:, i]), color=IMITATED, lw=1.2, label="imitated")
+        axes.plot(time, np.rad2deg(memory.pose[:, i]), color=THEIRS, lw=3, alpha=0.4, label="remembered")
+        axes.plot(time, np.rad2deg(imitated[:, i]), color=OURS, lw=1.2, label="imitated")
         axes.set_ylabel(f"{name} [deg]")
     panels[0].legend(frameon=False, fontsize=8, ncols=2)
     panels[1].set_xlabel("s")

@@ -67,12 +67,6 @@ def in_new_process(memory_file: Path, robot: str, selection: str, seed: int) -> 
         return np.asarray(np.load(result, allow_pickle=False))
 
 
-def rms_deg(estimates: list[FloatArray], truths: list[FloatArray]) -> float:
-    """Root mean square over sequences, frames and both axes, degrees; NaN truths are left out."""
-    away = np.concatenate([(e - t)[np.isfinite(t[:, 0])] for e, t in zip(estimates, truths, strict=True)])
-    return float(np.rad2deg(np.sqrt(np.mean(away**2))))
-
-
 def main(arguments: list[str]) -> None:
     """See the module."""
     memory_file, robot, selection, seed, result = arguments

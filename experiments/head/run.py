@@ -13,7 +13,7 @@ from experiments.head.alone import from_memory, nobody
 from experiments.head.figures import figures
 from experiments.head.found import Performed, Seen
 from experiments.head.options import Config
-from experiments.head.recall import in_new_process, reproduce, rms_deg
+from experiments.head.recall import in_new_process, reproduce
 from experiments.head.recording import record
 from experiments.shared.caregiver import (
     FRAME_S,
@@ -27,7 +27,9 @@ from experiments.shared.caregiver import (
 )
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import reach_of, retina_of
+from experiments.shared.judging import rmse_deg
 from experiments.shared.progress import progress
+from experiments.shared.tables import table
 from imitation.head_memory import HeadMemory, save_head_memory
 from imitation.seeing.pose import Appearance, watch
 from models.biclops.movements import TICK_S, movement
@@ -137,29 +139,30 @@ def _result(
     seen: list[Seen],
     performed: list[Performed],
 ) -> Result:
-    truth = [one.truth for one in seen]
-    pose, live, raw = ([getattr(one.watched, kind) for one in seen] for kind in ("pose", "live", "raw"))
-    clear = [np.where(one.hidden[:, None], np.nan, one.truth) for one in seen]
-    estimate = rms_deg(pose, truth)
-    each = [rms_deg([p.imitated], [t]) for p, t in zip(performed, truth, strict=True)]
+    truth, hidden = (np.concatenate([getattr(one, kind) for one in seen]) for kind in ("truth", "hidden"))
+    pose, live, raw = (np.concatenate([getattr(one.watched, kind) for one in seen]) for kind in ("pose", "live", "raw"))
+    imitated, replayed = (np.concatenate(parts) for parts in zip(*performed, strict=True))
+    clear = np.where(hidden[:, None], np.nan, truth)
+    estimate = rmse_deg(pose, truth)
+    each = [rmse_deg(p.imitated, one.truth) for p, one in zip(performed, seen, strict=True)]
     metrics: dict[str, Any] = {
         "robot": config.robot,
         "movement": "random" if config.study else config.movement,
         "face_found": True,
         "search_s_simulated": looked.seconds,
         "sequences": len(seen),
-        "frames": int(sum(np.isfinite(t[:, 0]).sum() for t in truth)),
-        "hidden_frames": int(sum((one.hidden & np.isfinite(one.truth[:, 0])).sum() for one in seen)),
+        "frames": int(np.isfinite(truth[:, 0]).sum()),
+        "hidden_frames": int((hidden & np.isfinite(truth[:, 0])).sum()),
         "lessons": config.lessons,
         "head_estimate_rmse_deg": estimate,
-        "head_live_estimate_rmse_deg": rms_deg(live, truth),
-        "head_raw_estimate_rmse_deg": rms_deg(raw, truth),
-        "head_raw_estimate_in_view_rmse_deg": rms_deg(raw, clear),
-        "head_estimate_in_view_rmse_deg": rms_deg(pose, clear),
-        "head_raw_over_filtered": rms_deg(raw, truth) / estimate,
-        "head_reproduced_rmse_deg": rms_deg([p.imitated for p in performed], truth),
+        "head_live_estimate_rmse_deg": rmse_deg(live, truth),
+        "head_raw_estimate_rmse_deg": rmse_deg(raw, truth),
+        "head_raw_estimate_in_view_rmse_deg": rmse_deg(raw, clear),
+        "head_estimate_in_view_rmse_deg": rmse_deg(pose, clear),
+        "head_raw_over_filtered": rmse_deg(raw, truth) / estimate,
+        "head_reproduced_rmse_deg": rmse_deg(imitated, truth),
         "head_reproduced_worst_sequence_deg": max(each),
-        "head_raw_replay_rmse_deg": rms_deg([p.replayed for p in performed], truth),
+        "head_raw_replay_rmse_deg": rmse_deg(replayed, truth),
         "deferred": config.deferred,
     }
     summary = _summary(config, metrics)
@@ -190,5 +193,4 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
                              f"{metrics['head_reproduced_worst_sequence_deg']:.3f})"),
         ("raw estimate replayed", f"{metrics['head_raw_replay_rmse_deg']:.3f} deg"),
     ]  # fmt: skip
-    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
-    return f"# {config.robot} imitates a head\n\n{table}\n"
+    return f"# {config.robot} imitates a head\n\n{table(rows)}\n"

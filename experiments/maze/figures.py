@@ -11,6 +11,8 @@ from babbling.axes import FloatArray
 from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
 from experiments.maze.learning import Curve
 from experiments.maze.mind import Inferred
+from experiments.shared.figures import draw_curve
+from experiments.shared.palette import OURS
 from imitation.acting.follow import Journey
 from imitation.inference.intent import in_blocks
 from models.maze import ACTIONS, STEPS, Maze, Walk
@@ -162,17 +164,13 @@ def learning_curve(curve: Curve) -> Figure:
     axes = figure.add_subplot(1, 2 if wide else 1, 1)
     low, high = zip(*curve.spread, strict=True)
     if low != high:
-        axes.fill_between(curve.steps, low, high, color="#1b6ca8", alpha=0.18, lw=0, label="8 walkers of 10")
-    axes.loglog(curve.steps, curve.tv, "o-", color="#1b6ca8", label="learned rows")
-    axes.loglog(curve.steps, curve.bound, "k--", lw=1.3, label="multinomial bound")
-    axes.set_xlabel("wandering steps")
-    axes.set_ylabel("mean total variation per row")
-    axes.legend(frameon=False)
-    axes.grid(alpha=0.25, which="both")
+        axes.fill_between(curve.steps, low, high, color=OURS, alpha=0.18, lw=0, label="8 walkers of 10")
+    lines = {"learned rows": curve.tv, "multinomial bound": curve.bound}
+    draw_curve(axes, curve.steps, lines, ("wandering steps", "mean total variation per row"), log=True)
     if wide:
         beside = figure.add_subplot(1, 2, 2, sharey=axes)
         visits, tv = np.array(curve.per_visit).T
-        beside.loglog(visits, tv, "o", color="#1b6ca8", label=f"rows, slope {curve.slope:.3f}")
+        beside.loglog(visits, tv, "o", color=OURS, label=f"rows, slope {curve.slope:.3f}")
         beside.loglog(visits, tv[0] * np.sqrt(visits[0] / visits), "k--", lw=1.3, label="slope -1/2")
         beside.set_xlabel("counted visits of the row")
         beside.legend(frameon=False)

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray, IntArray
 from experiments.maze.drawing import GOAL_COLOURS, wall_segments
 from experiments.maze.mind import Experience, Inferred
+from experiments.shared import views
+from experiments.shared.palette import light
+from experiments.shared.recording import recording
 from imitation.acting.follow import Journey
 from models.maze import ACTIONS, STEPS, Maze, Walk
 
@@ -42,89 +44,84 @@ def record(
 ) -> None:
     """Write the recording, blueprint inside."""
     maze = experience.maze
-    recording = rr.RecordingStream("imitate-maze", recording_id=f"maze-{maze.fingerprint}-{goal}-{journey.steps[0]}")
-    recording.save(path, default_blueprint=_blueprint(maze, goal, unseen, figures))
-    recording.send_recording_name(f"maze, goal {goal}")
-    recording.log("summary", rr.TextDocument(_as_list(summary), media_type=rr.MediaType.MARKDOWN), static=True)
-    for name, figure in figures.items():
-        picture = io.BytesIO()
-        figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
-        image = rr.EncodedImage(contents=picture.getvalue(), media_type="image/png")
-        recording.log(f"figures/{name}", image, static=True)
-    for world in ("imitating", "watching"):
-        _log_maze(recording, world, maze)
-    _log_demonstrations(recording, maze, [walk for walk in walks if walk.goal == goal])
-    _log_imitation(recording, maze, journey, goal)
-    _log_watching(recording, maze, unseen, inferred, goal_prior)
-    recording.flush()
-    recording.disconnect()
+    with recording(
+        path, "imitate-maze", f"maze, goal {goal}", _layout(maze, goal, unseen, figures), _as_list(summary), "step"
+    ) as stream:
+        for name, figure in figures.items():
+            picture = io.BytesIO()
+            figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
+            image = rr.EncodedImage(contents=picture.getvalue(), media_type="image/png")
+            stream.log(f"figures/{name}", image, static=True)
+        for world in ("imitating", "watching"):
+            _log_maze(stream, world, maze)
+        _log_demonstrations(stream, maze, [walk for walk in walks if walk.goal == goal])
+        _log_imitation(stream, maze, journey, goal)
+        _log_watching(stream, maze, unseen, inferred, goal_prior)
 
 
-def _log_maze(recording: rr.RecordingStream, world: str, maze: Maze) -> None:
-    recording.log(world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+def _log_maze(stream: rr.RecordingStream, world: str, maze: Maze) -> None:
+    stream.log(world, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     middle = [(maze.width + 1) / 2, (maze.height + 1) / 2, -0.06]
     floor = rr.Boxes3D(centers=[middle], half_sizes=[[maze.width / 2, maze.height / 2, 0.04]], colors=[FLOOR],
                        fill_mode="solid")  # fmt: skip
-    recording.log(f"{world}/floor", floor, static=True)
+    stream.log(f"{world}/floor", floor, static=True)
     ends = np.array(wall_segments(maze))
     centres = np.column_stack([ends.mean(1), np.full(len(ends), WALL_HEIGHT / 2 - 0.02)])
     halves = np.column_stack([np.abs(ends[:, 1] - ends[:, 0]) / 2 + WALL_WIDTH, np.full(len(ends), WALL_HEIGHT / 2)])
     walls = rr.Boxes3D(centers=centres, half_sizes=halves, colors=[WALL], fill_mode="solid")
-    recording.log(f"{world}/walls", walls, static=True)
-    _log_label(recording, f"{world}/start", maze.start, "start")
+    stream.log(f"{world}/walls", walls, static=True)
+    _log_label(stream, f"{world}/start", maze.start, "start")
 
 
-def _log_label(recording: rr.RecordingStream, entity: str, place: tuple[int, int], text: str) -> None:
+def _log_label(stream: rr.RecordingStream, entity: str, place: tuple[int, int], text: str) -> None:
     """White letters beside a place."""
     label = rr.Points3D([[*place, 0.02]], radii=[0.12], colors=[(255, 255, 255)], labels=[text], show_labels=True)
-    recording.log(entity, label, static=True)
+    stream.log(entity, label, static=True)
 
 
-def _log_demonstrations(recording: rr.RecordingStream, maze: Maze, walks: Sequence[Walk]) -> None:
+def _log_demonstrations(stream: rr.RecordingStream, maze: Maze, walks: Sequence[Walk]) -> None:
     lines = [_raised(walk.places + offset, 0.05) for walk, offset in zip(walks, _offsets(len(walks)), strict=True)]
-    recording.log(
-        "imitating/demonstrations", rr.LineStrips3D(lines, colors=[(150, 170, 190)], radii=[0.04]), static=True
-    )
+    stream.log("imitating/demonstrations", rr.LineStrips3D(lines, colors=[(150, 170, 190)], radii=[0.04]), static=True)
 
 
-def _log_imitation(recording: rr.RecordingStream, maze: Maze, journey: Journey, goal: int) -> None:
+def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goal: int) -> None:
     steps = int(journey.steps[0])
     cells = journey.states[: steps + 1, 0]
     places = _places(maze, cells)
     index = [rr.TimeColumn("step", sequence=np.arange(steps + 1))]
     x, y = maze.goals[goal - 1]
-    colour = _rgb(GOAL_COLOURS[goal - 1])
-    recording.log(
+    colour = light(GOAL_COLOURS[goal - 1])
+    stream.log(
         "imitating/goal",
         rr.Points3D([[x, y, 0.3]], radii=[0.36], colors=[colour]),
         static=True,
     )
-    _log_label(recording, "imitating/goal/label", (x, y), f"goal {goal}")
-    _log_walk(recording, "imitating", places, index)
+    _log_label(stream, "imitating/goal/label", (x, y), f"goal {goal}")
+    _log_walk(stream, "imitating", places, index)
     if not steps:
         return
     decisions = journey.decisions
     during = [rr.TimeColumn("step", sequence=np.arange(steps))]
     subgoal = _raised(_places(maze, decisions.subgoal[:steps, 0]), 0.1)
-    recording.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
-    recording.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
+    stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
+    stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
     posterior = decisions.posterior[:steps, 0]
     reach = np.pad(STEPS[:4], ((0, 0), (0, 1))) * posterior[:, :4, None] * 1.5
     origins = np.repeat(_raised(places[:steps], 0.45), 4, axis=0)
-    colours = np.array([_rgb(c) for c in ACTION_COLOURS[:4]], np.uint8)
-    recording.log("imitating/posterior", rr.Arrows3D.from_fields(colors=colours, radii=[0.07]), static=True)
+    colours = np.array([light(c) for c in ACTION_COLOURS[:4]], np.uint8)
+    stream.log("imitating/posterior", rr.Arrows3D.from_fields(colors=colours, radii=[0.07]), static=True)
     columns = rr.Arrows3D.columns(vectors=reach.reshape(-1, 3), origins=origins).partition([4] * steps)
-    recording.send_columns("imitating/posterior", during, columns)
-    _log_series(recording, "actions/posterior", during, posterior, ACTIONS, ACTION_COLOURS)
+    stream.send_columns("imitating/posterior", during, columns)
+    _log_series(stream, "actions/posterior", during, posterior, ACTIONS, ACTION_COLOURS)
     events = np.select([decisions.forward_alone[:steps, 0], decisions.backtracking[:steps, 0]], [2, 1], 0)
     changes = np.flatnonzero(np.diff(events, prepend=-1))
     names = [name for name, _ in EVENTS]
-    recording.log(
+    stream.log(
         "actions/mode",
         rr.StateConfiguration(values=names, labels=names, colors=[(*rgb, 255) for _, rgb in EVENTS]),
         static=True,
     )
-    recording.send_columns(
+    stream.send_columns(
         "actions/mode",
         [rr.TimeColumn("step", sequence=changes)],
         rr.StateChange.columns(state=[names[k] for k in events[changes]]),
@@ -132,13 +129,13 @@ def _log_imitation(recording: rr.RecordingStream, maze: Maze, journey: Journey, 
 
 
 def _log_watching(
-    recording: rr.RecordingStream, maze: Maze, walk: Walk, inferred: Inferred, goal_prior: FloatArray
+    stream: rr.RecordingStream, maze: Maze, walk: Walk, inferred: Inferred, goal_prior: FloatArray
 ) -> None:
     index = [rr.TimeColumn("step", sequence=np.arange(walk.steps + 1))]
-    _log_walk(recording, "watching", walk.places.astype(float), index)
+    _log_walk(stream, "watching", walk.places.astype(float), index)
     belief = np.vstack([goal_prior, inferred.filtered.probability])
     goals = len(maze.goals)
-    colours = [_rgb(GOAL_COLOURS[g]) for g in range(goals)]
+    colours = [light(GOAL_COLOURS[g]) for g in range(goals)]
     labels = [f"goal {g + 1}: {p:.2f}" for row in belief for g, p in enumerate(row)]
     spots = np.tile(_raised(np.array(maze.goals, float), 0.3), (len(belief), 1))
     columns = rr.Points3D.columns(
@@ -146,22 +143,22 @@ def _log_watching(
         radii=(0.18 + 0.6 * np.sqrt(belief)).ravel(),
         colors=np.tile(np.array(colours, np.uint8), (len(belief), 1)),
     ).partition([goals] * len(belief))
-    recording.send_columns("watching/goals", index, columns)
+    stream.send_columns("watching/goals", index, columns)
     told = rr.Points3D.columns(positions=spots - [0, 0.6, 0], labels=labels).partition([goals] * len(belief))
-    recording.send_columns("watching/goals/labels", index, told)
+    stream.send_columns("watching/goals/labels", index, told)
     white = rr.Points3D.from_fields(colors=[(255, 255, 255)], radii=[0.02], show_labels=True)
-    recording.log("watching/goals/labels", white, static=True)
+    stream.log("watching/goals/labels", white, static=True)
     names = [f"goal {g + 1}" for g in range(goals)]
-    _log_series(recording, "goals/filter", index, belief, names, GOAL_COLOURS)
-    _log_series(recording, "goals/by_step", index[:0] or [rr.TimeColumn("step", sequence=np.arange(1, walk.steps + 1))],
+    _log_series(stream, "goals/filter", index, belief, names, GOAL_COLOURS)
+    _log_series(stream, "goals/by_step", index[:0] or [rr.TimeColumn("step", sequence=np.arange(1, walk.steps + 1))],
                 inferred.by_step.probability, names, GOAL_COLOURS)  # fmt: skip
 
 
-def _log_walk(recording: rr.RecordingStream, world: str, places: FloatArray, index: list[Any]) -> None:
+def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray, index: list[Any]) -> None:
     """A walker and the trail behind it, light where it is old and dark where it is new."""
     raised = _raised(places, 0.3)
-    recording.log(f"{world}/walker", rr.Points3D.from_fields(colors=[DARK.astype(np.uint8)], radii=[0.3]), static=True)
-    recording.send_columns(f"{world}/walker", index, rr.Points3D.columns(positions=raised))
+    stream.log(f"{world}/walker", rr.Points3D.from_fields(colors=[DARK.astype(np.uint8)], radii=[0.3]), static=True)
+    stream.send_columns(f"{world}/walker", index, rr.Points3D.columns(positions=raised))
     pieces: list[FloatArray] = []
     shades, sizes = [], []
     low = _raised(places, 0.08)
@@ -172,16 +169,16 @@ def _log_walk(recording: rr.RecordingStream, world: str, places: FloatArray, ind
         pieces.extend(own)
         shades.append((PALE + (DARK - PALE) * age).astype(np.uint8))
         sizes.append(len(own))
-    recording.log(f"{world}/trail", rr.LineStrips3D.from_fields(radii=[0.07]), static=True)
+    stream.log(f"{world}/trail", rr.LineStrips3D.from_fields(radii=[0.07]), static=True)
     if not pieces:
         return
     begun = [rr.TimeColumn("step", sequence=np.arange(1, len(places)))]
     strips = rr.LineStrips3D.columns(strips=pieces, colors=np.vstack(shades)).partition(sizes[1:])
-    recording.send_columns(f"{world}/trail", begun, strips)
+    stream.send_columns(f"{world}/trail", begun, strips)
 
 
 def _log_series(
-    recording: rr.RecordingStream,
+    stream: rr.RecordingStream,
     entity: str,
     index: list[Any],
     values: FloatArray,
@@ -190,18 +187,16 @@ def _log_series(
 ) -> None:
     for name, colour, column in zip(names, colours, values.T, strict=False):
         path = f"{entity}/{name.replace(' ', '_')}"
-        recording.log(path, rr.SeriesLines(names=[name], colors=[_rgb(colour)], widths=[2]), static=True)
-        recording.send_columns(path, index, rr.Scalars.columns(scalars=column))
+        stream.log(path, rr.SeriesLines(names=[name], colors=[light(colour)], widths=[2]), static=True)
+        stream.send_columns(path, index, rr.Scalars.columns(scalars=column))
 
 
-def _blueprint(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) -> rrb.Blueprint:
+def _layout(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) -> rrb.Vertical:
     def world(name: str, title: str) -> rrb.Spatial3DView:
         across = max(maze.width, maze.height)
         centre = ((maze.width + 1) / 2, (maze.height + 1) / 2, 0.0)
         eye = (centre[0], centre[1] - 0.38 * across, 1.1 * across)
-        controls = rrb.EyeControls3D(position=eye, look_target=centre)
-        return rrb.Spatial3DView(origin=f"/{name}", name=title, line_grid=False, background=[30, 34, 40],
-                                 eye_controls=controls)  # fmt: skip
+        return views.world(title, eye, centre, f"/{name}")
 
     def series(entity: str, title: str) -> rrb.TimeSeriesView:
         unit = rrb.ScalarAxis(range=(0.0, 1.02), zoom_lock=True)
@@ -210,29 +205,24 @@ def _blueprint(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure
     pictures = [
         rrb.Spatial2DView(origin=f"/figures/{name}", name=name.replace("_", " ").capitalize()) for name in figures
     ]
-    return rrb.Blueprint(
-        rrb.Vertical(
-            rrb.Horizontal(
-                world("imitating", f"Imitating goal {goal}: arrows are P(action)"),
-                world("watching", f"Watching an unseen walk to goal {unseen.goal}: spheres are P(goal)"),
-                rrb.Tabs(rrb.TextDocumentView(origin="/summary", name="Summary"), *pictures, active_tab=0),
-                column_shares=[1, 1, 1.05],
-            ),
-            rrb.Horizontal(
-                rrb.Vertical(
-                    series("actions/posterior", "Eq. (1): posterior over actions"),
-                    rrb.StateTimelineView(origin="/actions/mode", name="What decided"),
-                    row_shares=[1.7, 1],
-                ),
-                series("goals/filter", "Posterior over goals, Bayes filter"),
-                series("goals/by_step", "Eq. (2): posterior over goals, step by step"),
-                column_shares=[1, 1, 1.05],
-            ),
-            row_shares=[1.7, 1],
+    return rrb.Vertical(
+        rrb.Horizontal(
+            world("imitating", f"Imitating goal {goal}: arrows are P(action)"),
+            world("watching", f"Watching an unseen walk to goal {unseen.goal}: spheres are P(goal)"),
+            rrb.Tabs(rrb.TextDocumentView(origin="/summary", name="Summary"), *pictures, active_tab=0),
+            column_shares=[1, 1, 1.05],
         ),
-        rrb.TimePanel(state="collapsed", timeline="step", play_state="paused"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.BlueprintPanel(state="hidden"),
+        rrb.Horizontal(
+            rrb.Vertical(
+                series("actions/posterior", "Eq. (1): posterior over actions"),
+                rrb.StateTimelineView(origin="/actions/mode", name="What decided"),
+                row_shares=[1.7, 1],
+            ),
+            series("goals/filter", "Posterior over goals, Bayes filter"),
+            series("goals/by_step", "Eq. (2): posterior over goals, step by step"),
+            column_shares=[1, 1, 1.05],
+        ),
+        row_shares=[1.7, 1],
     )
 
 
@@ -258,8 +248,3 @@ def _raised(places: FloatArray, height: float) -> FloatArray:
 
 def _offsets(count: int) -> FloatArray:
     return np.linspace(-0.18, 0.18, count) if count > 1 else np.zeros(1)
-
-
-def _rgb(colour: str) -> tuple[int, int, int]:
-    r, g, b = to_rgb(colour)
-    return round(255 * r), round(255 * g), round(255 * b)

@@ -31,6 +31,7 @@ from experiments.maze.recall import in_new_process, recall
 from experiments.maze.recording import record
 from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
+from experiments.shared.tables import table
 from imitation.acting.follow import Journey
 from imitation.deferred import remember, save_memory
 from imitation.inference.intent import in_blocks
@@ -272,13 +273,14 @@ def _summary(config: Config, metrics: dict[str, Any]) -> str:
         f"right in {100 * beside['right_steps']:.0f} % of steps; the filter ends at "
         f"{', '.join(f'{p:.3f}' for p in beside['filter_end'])}"
     )
-    return f"""# Maze: wander, watch, imitate, infer
-
-| | |
-|---|---|
-| forward model | {source}: {verdict} |
-| imitation of goal {imitation["goal"]}, {imitation["selection"]} | {steps} (ratio {imitation["step_ratio"]:.2f}) |
-| events on the way | {events} |
-| intent, unseen walk of {intent["steps"]} steps to goal {intent["goal"]}, actions {config.actions} | {right} |
-| the same with actions {other} | {likewise} |
-"""
+    rows = [
+        ("forward model", f"{source}: {verdict}"),
+        (
+            f"imitation of goal {imitation['goal']}, {imitation['selection']}",
+            f"{steps} (ratio {imitation['step_ratio']:.2f})",
+        ),
+        ("events on the way", events),
+        (f"intent, unseen walk of {intent['steps']} steps to goal {intent['goal']}, actions {config.actions}", right),
+        (f"the same with actions {other}", likewise),
+    ]
+    return f"# Maze: wander, watch, imitate, infer\n\n{table(rows, ('', ''))}\n"

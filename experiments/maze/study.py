@@ -10,12 +10,9 @@ from experiments.maze.figures import learning_curve, trials_figure
 from experiments.maze.imitators import Imitators, Report
 from experiments.maze.learning import walkers
 from experiments.maze.mind import believed_tables, infer, junctions, step_likelihood, watched
-from experiments.maze.planners import (
-    PATIENCE,
-    Q_SETTINGS,
-    RELIABLE,
-)
+from experiments.maze.planners import PATIENCE, Q_SETTINGS, RELIABLE
 from experiments.maze.trials import trials
+from experiments.shared.tables import table
 from models.maze import Maze, MazeBody, demonstrate
 
 SEEDS = 150
@@ -135,7 +132,7 @@ def _summary(metrics: dict[str, Any]) -> str:
 
     entropy, slope = metrics["junction_entropy_bits"], metrics["forward_model_tv_slope"]
     losses = [metrics[f"intent_{rule}_log_loss"] for rule in ("filter", "step", "filter_plain")]
-    table = {
+    claims = {
         f"total variation of learned rows at {' / '.join(metrics['forward_model_tv'])} steps": of(
             "forward_model_tv", "{:.4f}"
         ),
@@ -167,13 +164,10 @@ def _summary(metrics: dict[str, Any]) -> str:
         "value iteration, walls found by wandering": of("trials_value_iteration_discovered_walls", "{}"),
         f"Q-learning, best of {len(Q_SETTINGS)} settings": of("trials_q_learning", "{}"),
     }
-    rows = "\n".join(f"| {claim} | {found} |" for claim, found in table.items())
     return f"""
 ## Study (numbers per goal: 1 / 2 / ...)
 
-| claim | found |
-|---|---|
-{rows}
+{table(claims.items(), ("claim", "found"))}
 
 What the demonstrations supply is the map: imitation needs few steps of its own because somebody else found the way.
 """

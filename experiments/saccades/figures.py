@@ -1,31 +1,28 @@
 """Figures of oculomotor babbling: what was learned, how well it predicts, how well it looks."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.sight import LookingMind
-
-if TYPE_CHECKING:
-    from experiments.saccades.run import Curve
-    from experiments.saccades.trials import Fixated, Predicted
-
-FloatArray = NDArray[np.float64]
-TABLE, COPY = "#d9541e", "#4c72b0"
+from experiments.saccades.trials import Fixated, Predicted
+from experiments.shared.figures import learning_curve
+from experiments.shared.judging import LearningCurve
+from experiments.shared.palette import OURS, THEIRS
 
 
 def figures(
-    mind: LookingMind, trials: Predicted, guess: FloatArray, fixated: Fixated, curve: Curve
+    mind: LookingMind, trials: Predicted, guess: FloatArray, fixated: Fixated, curve: LearningCurve
 ) -> dict[str, Figure]:
     """All of them, by file stem."""
     return {
         "prediction": prediction(mind, trials, guess),
         "fixation": fixation(mind, fixated),
-        "learning_curve": learning_curve(curve),
+        "learning_curve": learning_curve(
+            curve.minutes,
+            {"forward model": curve.table, "efference copy alone (least squares of the pilot)": curve.line},
+            ("body-minutes (pilot included)", "error after an unseen saccade [px]"),
+        ),
         "forward_model": forward_model(mind),
     }
 
@@ -41,13 +38,13 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
         field.annotate("", (x, y), (u, v), arrowprops={"arrowstyle": "-", "color": "0.8", "lw": 0.8})
     field.plot(*trials.before[seen, :2].T, "o", color="0.7", ms=3, label="before")
     field.plot(*trials.after[seen, :2].T, "o", color="k", ms=5, mfc="none", label="after the saccade")
-    field.plot(*guess[seen, :2].T, "x", color=TABLE, ms=5, label="expected")
+    field.plot(*guess[seen, :2].T, "x", color=OURS, ms=5, label="expected")
     field.set(xlim=(-half[0], half[0]), ylim=(half[1], -half[1]), aspect="equal")
     field.set(xlabel="u from the middle [px]", ylabel="v from the middle [px]", title="unseen saccades, left eye")
     field.legend(loc="upper center", ncols=3, fontsize=8, bbox_to_anchor=(0.5, -0.14), frameon=False)
     bins = np.geomspace(0.01, 10, 50)
     peer = trials.error(mind.sight.expect(trials.before, trials.posture, trials.change, table=False))
-    for values, colour, name in ((trials.error(guess), TABLE, "forward model"), (peer, COPY, "efference copy alone")):
+    for values, colour, name in ((trials.error(guess), OURS, "forward model"), (peer, THEIRS, "efference copy alone")):
         errors.hist(values, bins, histtype="step", color=colour, lw=1.8, label=f"{name}: {values.mean():.3f} px")
         errors.axvline(values.mean(), color=colour, lw=1, ls=":")
     errors.axvline(0.5, color="0.5", lw=1, ls="--")
@@ -69,24 +66,11 @@ def fixation(mind: LookingMind, fixated: Fixated) -> Figure:
     field.plot(0, 0, "+", color="k", ms=12)
     field.set(xlim=(-half[0], half[0]), ylim=(half[1], -half[1]), aspect="equal")
     field.set(xlabel="u [px]", ylabel="v [px]", title=f"where {len(reached)} things were when they drew the eye")
-    for values, colour, name in ((fixated.once, TABLE, "one saccade"), (fixated.twice, COPY, "two saccades")):
+    for values, colour, name in ((fixated.once, OURS, "one saccade"), (fixated.twice, THEIRS, "two saccades")):
         share.step(np.sort(values), 100 * np.arange(1, len(values) + 1) / len(values), color=colour, label=name)
     share.axvline(1.5, color="0.5", ls="--", lw=1)
     share.set(xlim=(0, 2), ylim=(0, 101), xlabel="px from the middle", ylabel="% of trials", title="fixated within")
     share.legend(frameon=False, loc="lower right")
-    return figure
-
-
-def learning_curve(curve: Curve) -> Figure:
-    """Prediction error against body-minutes."""
-    figure = Figure(figsize=(6, 3.8), layout="constrained")
-    axes = figure.subplots()
-    axes.plot(curve.minutes, curve.table_px, "o-", color=TABLE, label="forward model")
-    axes.plot(
-        curve.minutes, curve.line_px, "s--", color=COPY, ms=4, label="efference copy alone (least squares of the pilot)"
-    )
-    axes.set(xlabel="body-minutes (pilot included)", ylabel="error after an unseen saccade [px]", ylim=(0, None))
-    axes.legend(frameon=False)
     return figure
 
 
@@ -112,7 +96,7 @@ def forward_model(mind: LookingMind) -> Figure:
             factor = 1.0 if scale else 0.02
             shown.quiver(
                 *things[:, :2].T, *field.T, angles="xy", scale_units="xy", scale=factor, width=0.003,
-                color="k" if column == 0 else TABLE,
+                color="k" if column == 0 else OURS,
             )  # fmt: skip
             where = f"motor {motor} ({name}) by {np.rad2deg(change[0, row]):.0f} deg"
             where += f", tilt at {np.rad2deg(0.3):.0f} deg" if row == 0 else ""

@@ -1,7 +1,7 @@
 """A head looks about at random and learns what its movements do to what it sees; then it looks where it wants to."""
 
 import time
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 from babbling.looking_storage import save_looking
 from babbling.reading import Transitions
 from babbling.sight import LookingMind
+from experiments.saccades.figures import figures
+from experiments.saccades.found import Glance
 from experiments.saccades.options import Config
+from experiments.saccades.recording import record
 from experiments.saccades.trials import (
     Predicted,
     copied,
@@ -22,8 +25,10 @@ from experiments.saccades.trials import (
 )
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import COPIES, TOYS, learn_to_look, nursery, toy_places
+from experiments.shared.judging import LearningCurve
 from experiments.shared.options import EyeOptions
 from experiments.shared.progress import progress
+from experiments.shared.tables import table
 from imitation.gaze.fixation import Fixation, Saccade
 from models.onlooker import onlook
 from models.robots import head_of
@@ -41,29 +46,6 @@ ENOUGH = 2
 """Visits after which a toy is no news."""
 
 
-class Glance(NamedTuple):
-    """One view of the recording."""
-
-    images: tuple[NDArray[np.uint8], NDArray[np.uint8]]
-    found: FloatArray
-    """(K, 4) pixels."""
-    predicted: FloatArray
-    """(K, 4) pixels, where each thing was expected to be."""
-    angles: FloatArray
-    """(2,) true pan and tilt."""
-    target: int
-    """Which toy is looked for; -1 for none."""
-    event: str
-
-
-class Curve(NamedTuple):
-    """Prediction error against body-minutes."""
-
-    minutes: list[float]
-    table_px: list[float]
-    line_px: list[float]
-
-
 def run(config: Config) -> Result:
     """Oculomotor babbling and its figures; the learned eyes are the file `eyes.nc` of the result.
 
@@ -76,7 +58,7 @@ def run(config: Config) -> Result:
     start = time.perf_counter()
     other.reset()
     rounds, tests = (STUDY_ROUNDS, STUDY_SACCADES) if config.study else (TEST_ROUNDS, TEST_SACCADES)
-    curve = Curve([], [], [])
+    points: list[tuple[float, float, float]] = []
     with progress("looking about") as report:
         unseen: Predicted | None = None
         marks = np.linspace(0, 1, CURVE_POINTS + 1)[1:]
@@ -86,10 +68,9 @@ def run(config: Config) -> Result:
             report(0.8 * done)
             if unseen is None:
                 unseen = unseen_saccades(mind, other, tests, seed)
-            if done >= marks[len(curve.minutes)] - 1e-9 or not curve.minutes:
-                curve.minutes.append(mind.minutes + mind.pilot.minutes)
-                curve.table_px.append(float(unseen.error(expected(mind, unseen)).mean()))
-                curve.line_px.append(float(unseen.error(copied(mind, unseen)).mean()))
+            if done >= marks[len(points)] - 1e-9 or not points:
+                table, line = (float(unseen.error(guess(mind, unseen)).mean()) for guess in (expected, copied))
+                points.append((mind.minutes + mind.pilot.minutes, table, line))
 
         notes: list[Transitions] = []
         mind = learn_to_look(body, config.babbling_minutes, seed, learned, notes)
@@ -97,8 +78,9 @@ def run(config: Config) -> Result:
         assert unseen is not None
         speed = body.images_per_second()
         fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
+    curve = LearningCurve.of(points)
     glances = tour(mind, config, selection, seed)
-    table, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
+    errors, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
     straight = unseen.error(straight_lines(mind, body, unseen, seed))
     metrics: dict[str, Any] = {
         "robot": config.robot,
@@ -107,10 +89,10 @@ def run(config: Config) -> Result:
         "babbling_transitions": mind.forward_model.transitions,
         "babbling_left_out": int(mind.forward_model.outside.sum()),
         "babbling_wall_s": babble_s,
-        "saccade_trials": len(table),
-        "saccade_prediction_px": float(table.mean()),
-        "saccade_prediction_median_px": float(np.median(table)),
-        "saccade_prediction_p95_px": float(np.quantile(table, 0.95)),
+        "saccade_trials": len(errors),
+        "saccade_prediction_px": float(errors.mean()),
+        "saccade_prediction_median_px": float(np.median(errors)),
+        "saccade_prediction_p95_px": float(np.quantile(errors, 0.95)),
         "saccade_prediction_least_squares_px": float(unseen.error(least_squares(mind, notes, unseen)).mean()),
         "saccade_prediction_efference_copy_px": float(copy.mean()),
         "saccade_prediction_straight_line_px": float(straight.mean()),
@@ -121,13 +103,10 @@ def run(config: Config) -> Result:
         "fixation_2_px": float(np.mean(fixated.twice[np.isfinite(fixated.twice)])),
         "fixation_uninformed": fixated.uninformed,
         "learning_curve_minutes": curve.minutes,
-        "learning_curve_table_px": curve.table_px,
-        "learning_curve_efference_copy_px": curve.line_px,
+        "learning_curve_table_px": curve.table,
+        "learning_curve_efference_copy_px": curve.line,
         "retina_images_per_s": speed,
     }
-    from experiments.saccades.figures import figures
-    from experiments.saccades.recording import record
-
     summary, name = _summary(metrics), f"{config.robot} looks about, seed {seed}"
     toys = {toy: places[0] for toy, places in zip(TOYS, toy_places(1, seed), strict=True)}
     seen = onlook(body.model, config.robot, np.stack([g.angles for g in glances]), None, toys)
@@ -189,5 +168,4 @@ def _summary(metrics: dict[str, Any]) -> str:
                        f"Eq. (1) was 0/0 {metrics['fixation_uninformed']} times"),
         ("retina", f"{metrics['retina_images_per_s']:.0f} images a second of one core"),
     ]  # fmt: skip
-    table = "\n".join(["| what | result |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows)])
-    return f"# {metrics['robot']} looks about\n\n{table}\n"
+    return f"# {metrics['robot']} looks about\n\n{table(rows)}\n"

@@ -33,8 +33,3 @@ def replay_commands(
             reached[t - len(way)] = body.joint_angles[0]
         body.act(np.tile(body.command_angles(command), (body.copies, 1)))
     return reached
-
-
-def rmse_deg(reached: NDArray[np.float64], wanted: NDArray[np.float64]) -> float:
-    """Root mean square over all frames and joints, degrees."""
-    return float(np.rad2deg(np.sqrt(np.mean((reached - wanted) ** 2))))

@@ -8,12 +8,48 @@ import rerun as rr
 from numpy.typing import NDArray
 from PIL import Image as Picture
 
-from experiments.shared.recording import DEMONSTRATED, IMITATED, log_body, ticks
+from experiments.shared.palette import DEMONSTRATED, EXPECTED, FOUND, IMITATED, Light
+from experiments.shared.recording import log_body, log_series, ticks
+from experiments.shared.views import AXES, EYES
 from models.onlooker import Onlooked
 
 FloatArray = NDArray[np.float64]
-FOUND, PREDICTED = (255, 255, 255), (255, 150, 40)
-BACKGROUND = (30, 34, 40)
+
+
+def log_eyes(
+    stream: rr.RecordingStream,
+    images: Sequence[tuple[NDArray[np.uint8], NDArray[np.uint8]]],
+    tick_s: float,
+    found: FloatArray | None = None,
+    expected: FloatArray | None = None,
+    radii: tuple[float, float] = (0.8, 2.2),
+) -> None:
+    """What both eyes see, with (T, K, 2 eyes, 2) pixels where things were found and where they were expected."""
+    for i, eye in enumerate(EYES):
+        log_images(stream, f"eyes/{eye}", [pair[i] for pair in images], tick_s)
+        if found is not None and expected is not None:
+            log_points(stream, f"eyes/{eye}/predicted", expected[:, :, i], tick_s, EXPECTED, radii[1])
+            log_points(stream, f"eyes/{eye}/found", found[:, :, i], tick_s, FOUND, radii[0])
+
+
+def log_head(
+    stream: rr.RecordingStream,
+    kind: str,
+    angles: FloatArray,
+    tick_s: float,
+    colour: Light,
+    label: str | None = None,
+    width: float = 2.0,
+) -> None:
+    """(T, 2) pan and tilt, rad, as two series in degrees."""
+    for axis, values in zip(AXES, np.rad2deg(angles).T, strict=True):
+        log_series(stream, f"head/{axis}/{kind}", values, tick_s, label or kind, colour, width)
+
+
+def log_events(stream: rr.RecordingStream, events: Sequence[tuple[float, str]]) -> None:
+    """Seconds, and what happened."""
+    index = [rr.TimeColumn("sim_time", duration=np.array([when for when, _ in events]))]
+    stream.send_columns("events", index, rr.TextLog.columns(text=[what for _, what in events]))
 
 
 def log_images(stream: rr.RecordingStream, entity: str, images: Sequence[NDArray[np.uint8]], tick_s: float) -> None:
@@ -35,7 +71,7 @@ def log_points(
     entity: str,
     points: FloatArray,
     tick_s: float,
-    colour: tuple[int, int, int],
+    colour: Light,
     radius: float = 1.2,
 ) -> None:
     """(T, K, 2) pixels, NaN for none: dots that come and go."""
@@ -66,7 +102,7 @@ def log_ray(
     start: FloatArray,
     way: FloatArray,
     tick_s: float,
-    colour: tuple[int, int, int],
+    colour: Light,
     length: float = 1.2,
 ) -> None:
     """A gaze: (T, 3) starts and unit directions, drawn as a line."""

@@ -15,6 +15,7 @@ from babbling.mind import Mind, Temper
 from babbling.pilot import Pilot, pilot
 from babbling.storage import load_mind, save_mind
 from experiments.errors import ExperimentError
+from experiments.shared.judging import LearningCurve
 from experiments.shared.options import BodyOptions
 from imitation.acting.rehearsal import rehearse
 from models.body import SimulatedBody
@@ -37,16 +38,6 @@ def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody
 
 
 @dataclass(frozen=True)
-class LearningCurve:
-    """Prediction error of held-out transitions against body time."""
-
-    minutes: NDArray[np.float64]
-    table_deg: NDArray[np.float64]
-    """Root mean square over factors and transitions, degrees of posture."""
-    linear_deg: NDArray[np.float64]
-
-
-@dataclass(frozen=True)
 class Learned:
     """A mind and how it came about."""
 
@@ -55,8 +46,8 @@ class Learned:
     curve: LearningCurve | None = None
 
 
-class Curve:
-    """Collects a learning curve while babbling goes on."""
+class HeldOut:
+    """Babbling that is held out, and the learning curve that it gives while more and more is learned."""
 
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
         body = body_of(options, COPIES, stream=2)
@@ -74,10 +65,9 @@ class Curve:
     def _error(self, predicted: NDArray[np.float64]) -> float:
         return float(np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))))
 
-    def result(self) -> LearningCurve:
-        """The curve so far."""
-        minutes, table, line = np.array(self.points).T
-        return LearningCurve(minutes, table, line)
+    def curve(self) -> LearningCurve:
+        """The curve so far, degrees of posture (root mean square over factors and transitions)."""
+        return LearningCurve.of(self.points)
 
 
 def learn_mind(
@@ -105,7 +95,7 @@ def learn_mind(
     if found is None:
         found = pilot(body, options.seed)
     piloted = time.perf_counter() - started
-    curve = Curve(options, found)
+    held_out = HeldOut(options, found)
     done_ticks = sum(plan[:first])
     spent = 0.0
     clock = time.perf_counter()
@@ -114,7 +104,7 @@ def learn_mind(
         nonlocal clock, spent
         spent += time.perf_counter() - clock
         if done % curve_every == 0 or done == len(plan):
-            curve.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
+            held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
         if checkpoint is not None and done < len(plan):
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
             save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.sensor_noise_deg)
@@ -140,7 +130,7 @@ def learn_mind(
         else 1.0,
         "steps_per_second_factor": ticks * COPIES * body.substeps / spent if spent > 0 else 0.0,
     }
-    return Learned(mind, metrics, curve.result() if curve.points else None)
+    return Learned(mind, metrics, held_out.curve() if held_out.points else None)
 
 
 def bare_rate(body: SimulatedBody, found: Pilot, rng: np.random.Generator, ticks: int = BARE_TICKS) -> float:

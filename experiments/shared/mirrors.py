@@ -16,6 +16,7 @@ from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
 from experiments.errors import ExperimentError
+from experiments.shared.judging import degrees_between
 from experiments.shared.minds import body_of
 from experiments.shared.options import MIRROR_MINUTES, BodyOptions
 from experiments.shared.watching import Seen
@@ -171,9 +172,3 @@ def correspondence_metrics(
 def _mean(error: Mapping[str, FloatArray], reach: Mapping[str, NDArray[np.bool_]]) -> float:
     values = np.concatenate([error[part][reach[part]] for part in reach])
     return float(values.mean()) if len(values) else 0.0
-
-
-def degrees_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Angles between unit vectors along the last axis; exact for small ones too."""
-    away = np.linalg.norm(first - second, axis=-1)
-    return np.asarray(np.rad2deg(2 * np.arcsin(np.clip(away / 2, 0, 1))))

@@ -21,16 +21,23 @@ from models.shapes import Part, Shape
 
 FloatArray = NDArray[np.float64]
 
-DEMONSTRATED, IMITATED, REPLAYED = (120, 170, 255), (255, 140, 40), (150, 150, 150)
-
 
 @contextmanager
-def recording(path: Path, application: str, name: str, blueprint: rrb.Blueprint) -> Iterator[rr.RecordingStream]:
-    """A recording stream into a file, blueprint inside; complete when the block ends."""
+def recording(
+    path: Path, application: str, name: str, layout: rrb.Container, summary: str, timeline: str = "sim_time"
+) -> Iterator[rr.RecordingStream]:
+    """A recording stream into a file, layout and summary inside; complete when the block ends."""
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(application, recording_id=name)
+    blueprint = rrb.Blueprint(
+        layout,
+        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+    )
     stream.save(path, default_blueprint=blueprint)
     stream.send_recording_name(name)
+    stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     yield stream
     stream.flush()
     stream.disconnect()

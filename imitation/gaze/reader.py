@@ -196,15 +196,3 @@ class EyeLore:
         general = (visits.sum(0)[0] + 0.5) / (total + 1.0)
         row = visits[int(covered)]
         return float((row[0] + general) / (row.sum() + 1.0)), bool(row.sum() > 0)
-
-
-def calibration_error(confidence: FloatArray, right: FloatArray, bins: int = 10) -> tuple[float, FloatArray]:
-    """Expected calibration error sum_b n_b/N |accuracy_b - confidence_b|, and (bins, 3) confidence, accuracy, count."""
-    index = np.minimum((confidence * bins).astype(int), bins - 1)
-    rows = np.zeros((bins, 3))
-    for b in range(bins):
-        mine = index == b
-        if mine.any():
-            rows[b] = confidence[mine].mean(), right[mine].mean(), mine.sum()
-    error = float((rows[:, 2] * np.abs(rows[:, 0] - rows[:, 1])).sum() / len(confidence))
-    return error, rows

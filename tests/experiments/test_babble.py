@@ -167,5 +167,5 @@ def test_the_learning_curve_is_no_worse_than_the_line(hasty: None, arm: Path) ->
     curve = learn_mind(BodyOptions(robot=str(arm)), 2.0, lambda done: None).curve
     assert curve is not None
     assert (np.diff(curve.minutes) > 0).all()
-    assert (curve.table_deg < 1.05 * curve.linear_deg).all()
-    assert curve.table_deg[-1] < 1.02 * curve.table_deg[0]
+    assert (curve.table < 1.05 * curve.line).all()
+    assert curve.table[-1] < 1.02 * curve.table[0]

@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import own_experience
 from experiments.gaze.run import Config, run
 from experiments.gaze.trials import Scene
+from experiments.shared.judging import calibration_error, interval_95
 from imitation.errors import ImitationError
-from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, calibration_error, facing
+from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, facing
 from models.biclops.cloth import through_cloth
 from models.biclops.gaze import lay_out, look_at, possible, separation
 from models.errors import BodyError
@@ -119,6 +121,13 @@ def test_calibration_error_of_known_tables() -> None:
     error, bins = calibration_error(np.full(100, 0.95), np.arange(100) < 50)
     assert error == pytest.approx(0.45)
     assert bins[:, 2].sum() == 100
+
+
+@pytest.mark.parametrize(("hits", "count"), [(0, 7), (3, 20), (20, 20)])
+def test_an_exact_interval_leaves_a_fortieth_on_either_side(hits: int, count: int) -> None:
+    low, high = interval_95(hits, count)
+    assert low == 0.0 if hits == 0 else binom.sf(hits - 1, count, low) == pytest.approx(0.025)
+    assert high == 1.0 if hits == count else binom.cdf(hits, count, high) == pytest.approx(0.025)
 
 
 def test_a_teacher_that_looks_at_a_toy_has_it_in_the_middle_of_its_view() -> None:

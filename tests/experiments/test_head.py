@@ -7,8 +7,8 @@ import pytest
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.head.recall import rms_deg
 from experiments.head.run import Config, run, within_reach
+from experiments.shared.judging import rmse_deg
 from imitation.errors import ImitationError
 from imitation.head_memory import HeadMemory, load_head_memory, save_head_memory
 from imitation.seeing.pose import Appearance, frame_pose, watch
@@ -58,8 +58,8 @@ def test_filtering_beats_each_frame_alone_through_noise_hiding_and_half_hidden_f
     numbers[80:95] = np.nan  # hidden
     numbers[96:100, :2] += 6.0  # half hidden: the nose's centroid is off
     seen = watch(appearance, numbers, 0.02)
-    assert rms_deg([seen.pose], [truth]) < 0.25
-    assert rms_deg([seen.pose], [truth]) < 0.7 * rms_deg([seen.raw], [truth])
+    assert rmse_deg(seen.pose, truth) < 0.25
+    assert rmse_deg(seen.pose, truth) < 0.7 * rmse_deg(seen.raw, truth)
     assert seen.used[97] == 0 and 0 < seen.used[98] <= 8  # ticks without an image use nothing; the nose is left out
     assert (seen.deviation[86] > 2 * seen.deviation[40]).all()  # it knows that it did not see
 

@@ -1,0 +1,56 @@
+"""How good something was: errors, learning curves, calibration, intervals; for those who judge."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binomtest
+
+from babbling.axes import FloatArray
+
+
+@dataclass(frozen=True)
+class LearningCurve:
+    """Prediction error of held-out experience against body time, in the unit of whoever drew it."""
+
+    minutes: FloatArray
+    table: FloatArray
+    """Of the forward model."""
+    line: FloatArray
+    """Of a line fitted to the same experience."""
+
+    @classmethod
+    def of(cls, points: Sequence[tuple[float, float, float]]) -> "LearningCurve":
+        """From its points, one after the other."""
+        return cls(*np.array(points).T)
+
+
+def rmse_deg(reached: FloatArray, wanted: FloatArray) -> float:
+    """Root mean square over all frames and joints, degrees; where what was wanted is NaN is left out."""
+    away = (reached - wanted)[np.isfinite(wanted)]
+    return float(np.rad2deg(np.sqrt(np.mean(away**2))))
+
+
+def degrees_between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Angles between unit vectors along the last axis; exact for small ones too."""
+    away = np.linalg.norm(first - second, axis=-1)
+    return np.asarray(np.rad2deg(2 * np.arcsin(np.clip(away / 2, 0, 1))))
+
+
+def interval_95(hits: int, count: int) -> tuple[float, float]:
+    """Exact 95 % interval of a share (Clopper and Pearson 1934)."""
+    found = binomtest(hits, count).proportion_ci(0.95, "exact")
+    return float(found.low), float(found.high)
+
+
+def calibration_error(confidence: FloatArray, right: NDArray[np.bool_], bins: int = 10) -> tuple[float, FloatArray]:
+    """Expected calibration error sum_b n_b/N |accuracy_b - confidence_b|, and (bins, 3) confidence, accuracy, count."""
+    index = np.minimum((confidence * bins).astype(int), bins - 1)
+    rows = np.zeros((bins, 3))
+    for b in range(bins):
+        mine = index == b
+        if mine.any():
+            rows[b] = confidence[mine].mean(), right[mine].mean(), mine.sum()
+    error = float((rows[:, 2] * np.abs(rows[:, 0] - rows[:, 1])).sum() / len(confidence))
+    return error, rows
