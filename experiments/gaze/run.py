@@ -103,7 +103,7 @@ def run(config: Config) -> Result:
     broad = Preferences()
     train_preferences(broad, lessons, gaze, head, TOYS)
     judged = judge(many, gaze, head, TOYS, broad)
-    error, bins = calibration_error(judged.confidence, judged.right.astype(float))
+    error, bins = calibration_error(judged.confidence, judged.right)
     with progress("covered eyes") as report:
         covered = covered_eyes(
             body,

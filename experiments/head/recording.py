@@ -18,8 +18,8 @@ from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
 from models.heads import stage
-from models.robots import head_of
 from models.onlooker import onlook
+from models.robots import head_of
 
 TOYS_OF_ANOTHER_ROOM = (
     Ball("orange", (0.55, 0.30, 0.05), (1.0, 0.45, 0.0), 0.05),
