@@ -8,8 +8,7 @@ import numpy as np
 
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.robots import find
-from models.wear import Wear
+from models.robots import Robot, find
 
 LARGEST_BYTES = 64 << 20
 
@@ -41,20 +40,22 @@ def load_body(
     """
     text = str(name_or_path)
     robot = find(text)
-    if robot is not None:
-        model, wear, home = compiled(robot.path), robot.wear, robot.home
-    else:
-        model, wear = compiled(Path(text)), Wear()
+    if robot is None:
+        model = compiled(Path(text))
         home = "home" if "home" in {model.key(k).name for k in range(model.nkey)} else None
+        robot = Robot(Path(text), text, home)
+    else:
+        model = compiled(robot.path)
     servos(model, text)
     return SimulatedBody(
         model,
         name=text,
         copies=copies,
         threads=threads,
-        home=home,
+        home=robot.home,
         noise=noise,
-        wear=wear,
+        wear=robot.wear,
+        sensors=robot.sensors,
         scramble=scramble,
         seed=seed,
     )

@@ -52,6 +52,8 @@ class Robot:
     home: str | None = None
     """Keyframe it rests at."""
     wear: Wear = Wear()  # noqa: RUF009  (frozen)
+    sensors: tuple[str, ...] = ()
+    """<sensor> elements of its MJCF that it feels, besides its joints."""
     head: Head | None = None
     """None for a robot without eyes."""
     limbs: Mapping[str, Limb] = field(default_factory=dict)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import mujoco
 
-from models.biclops import FACE, ROBOT, SCENE
+from models.biclops import FACE, ROBOT
 from models.errors import BodyError
 
 TEACHER = "teacher_"
@@ -26,25 +26,11 @@ class Ball:
     radius: float = 0.02
 
 
-def room(*, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] = ()) -> mujoco.MjSpec:
-    """The scene of scene.xml; with a teacher's head facing ours at `distance` metres, and balls that can be moved.
-
-    The teacher is the same machine wearing the face, its joints and servos `teacher_pan`, `teacher_tilt`, its features
-    `teacher_face_nose` and so on (`FEATURES`). Each ball is a mocap body of its name. The spec may be edited further
-    before `.compile()`.
-
-    Raises:
-        BodyError: a teacher within reach of our own base, or two balls of one name.
-    """
-    scene = mujoco.MjSpec.from_file(str(SCENE))
-    if teacher:
-        seat_teacher(scene, scene.site("opposite"), distance)
-    hang_balls(scene, balls)
-    return scene
-
-
 def seat_teacher(scene: mujoco.MjSpec, place: mujoco.MjsSite, distance: float) -> None:
     """Put a teacher's head on `place`, moved `distance` metres ahead of its own position along x.
+
+    The teacher is the same machine wearing the face, its joints and servos `teacher_pan`, `teacher_tilt`, its features
+    `teacher_face_nose` and so on (`FEATURES`).
 
     Raises:
         BodyError: a teacher within reach of our own base.
@@ -58,7 +44,7 @@ def seat_teacher(scene: mujoco.MjSpec, place: mujoco.MjsSite, distance: float) -
 
 
 def hang_balls(scene: mujoco.MjSpec, balls: Sequence[Ball]) -> None:
-    """Add balls to a scene.
+    """Add balls to a scene, each a mocap body of its name.
 
     Raises:
         BodyError: two balls of one name.

@@ -5,7 +5,8 @@ import pytest
 from imitation.errors import ImitationError
 from imitation.seeing.features import COLOURS, Feature, find_features, locate, match_stereo, opponent, salience
 from models.biclops import facts
-from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, room, wear_cloth
+from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
+from models.heads import stage
 from models.retina import RetinaOptions, open_eye
 
 WIDTH, HEIGHT = 160, 120
@@ -14,7 +15,7 @@ COLOUR_OF = {"left_eye": "blue", "right_eye": "green", "nose": "red", "left_ear"
 
 def _errors(radius: float, noise: float, looks: int) -> tuple[np.ndarray, np.ndarray]:
     """Centroid errors (looks, 2) and areas of a red ball at 0.6 m; every look must find it and nothing else."""
-    model = room(balls=[Ball("ball", (0.6, 0, 0.2), (0.95, 0.08, 0.08), radius)]).compile()
+    model = stage("biclops", balls=[Ball("ball", (0.6, 0, 0.2), (0.95, 0.08, 0.08), radius)]).compile()
     data, rng = mujoco.MjData(model), np.random.default_rng(5)
     eye = open_eye(model, "left_eye", RetinaOptions(noise=noise))
     mujoco.mj_forward(model, data)
@@ -47,7 +48,7 @@ def test_two_percent_noise_adds_little_and_invents_nothing() -> None:
 
 
 def _face(noise: float) -> tuple[list[tuple[Feature, ...]], mujoco.MjModel, mujoco.MjData]:
-    model = room(teacher=True, distance=0.8).compile()
+    model = stage("biclops", teacher=True, distance=0.8).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     rng = np.random.default_rng(0)
@@ -71,7 +72,7 @@ def test_a_face_is_found_in_both_eyes_and_in_depth(noise: float) -> None:
 
 @pytest.mark.parametrize(("cloth", "eyes"), [("blindfold", set()), ("headband", {"blue", "green"})])
 def test_a_blindfold_hides_the_eyes_and_a_headband_does_not(cloth: str, eyes: set[str]) -> None:
-    model = room(teacher=True, distance=0.8).compile()
+    model = stage("biclops", teacher=True, distance=0.8).compile()
     data = mujoco.MjData(model)
     wear_cloth(model, cloth)
     for pan, tilt in ((0.0, 0.0), (0.3, 0.2), (-0.3, 0.2), (0.25, -0.2), (0.0, 0.3)):
@@ -83,7 +84,7 @@ def test_a_blindfold_hides_the_eyes_and_a_headband_does_not(cloth: str, eyes: se
 
 
 def test_stereo_error_follows_the_disparity_law() -> None:
-    model = room(balls=[Ball("ball", (0.6, 0, 0.2), (0.0, 0.8, 0.8), 0.01)]).compile()
+    model = stage("biclops", balls=[Ball("ball", (0.6, 0, 0.2), (0.0, 0.8, 0.8), 0.01)]).compile()
     data = mujoco.MjData(model)
     focal = open_eye(model, "left_eye").focal_px
     for x in (0.4, 0.8, 1.2):

@@ -4,8 +4,9 @@ import pytest
 
 from models.biclops import ROBOT, facts
 from models.biclops.profile import move_time, profile
-from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, room, wear_cloth
+from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
 from models.errors import BodyError
+from models.heads import stage
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +95,9 @@ def test_profile_turns_round_when_the_target_changes() -> None:
 
 
 def test_a_teacher_faces_us_and_wears_cloths() -> None:
-    model = room(teacher=True, distance=0.7, balls=[Ball("plum", (0.4, 0.2, 0.02), (0.5, 0.0, 1.0))]).compile()
+    model = stage(
+        "biclops", teacher=True, distance=0.7, balls=[Ball("plum", (0.4, 0.2, 0.02), (0.5, 0.0, 1.0))]
+    ).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     ours, theirs = data.cam("left_eye"), data.cam(f"{TEACHER}left_eye")
@@ -109,6 +112,6 @@ def test_a_teacher_faces_us_and_wears_cloths() -> None:
     with pytest.raises(BodyError, match="unknown cloth 'hat'; there are blindfold, headband"):
         wear_cloth(model, "hat")
     with pytest.raises(BodyError, match=r"a teacher at 0\.1 m"):
-        room(teacher=True, distance=0.1)
+        stage("biclops", teacher=True, distance=0.1)
     with pytest.raises(BodyError, match="two balls are called 'a'"):
-        room(balls=[Ball("a", (1, 0, 0), (1, 0, 0))] * 2)
+        stage("biclops", balls=[Ball("a", (1, 0, 0), (1, 0, 0))] * 2)

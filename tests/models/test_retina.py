@@ -2,8 +2,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.biclops.room import Ball, room
+from models.biclops.room import Ball
 from models.errors import BodyError
+from models.heads import stage
 from models.retina import RENDERERS, RetinaOptions, open_eye
 from models.retina_rays import RayEye, _shade
 
@@ -12,7 +13,7 @@ BALL = Ball("ball", (0.6, 0.05, 0.2), (0.9, 0.1, 0.1), radius=0.03)
 
 @pytest.fixture(scope="module")
 def scene() -> tuple[mujoco.MjModel, mujoco.MjData]:
-    model = room(teacher=True, balls=[BALL]).compile()
+    model = stage("biclops", teacher=True, balls=[BALL]).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return model, data
@@ -56,7 +57,7 @@ def test_a_camera_inside_a_box_and_a_mesh_still_see_everything() -> None:
 
 
 def test_pinhole_projection() -> None:
-    model = room(balls=[BALL]).compile()
+    model = stage("biclops", balls=[BALL]).compile()
     data = mujoco.MjData(model)
     data.qpos[:] = 0.15, -0.1
     mujoco.mj_forward(model, data)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.hoap2 import SCENE
 from models.part import PartOfBody
 from models.senses import Channel, Senses
 
@@ -97,6 +98,7 @@ HOPPER = """
   </sensor>
 </mujoco>
 """
+SIDES = ("left", "right")
 FELT = ("brow_gyro", "imu_accelerometer", "sole_load", "imu_gyro")
 
 
@@ -124,6 +126,20 @@ def test_a_free_body_feels_its_weight_and_how_it_turns(scramble: int | None) -> 
     base = read(senses, "gyro", ("imu_gyro",))[0, 0]
     assert turning[2] == pytest.approx(read(senses, "speed")[0, 0] + base[2], abs=0.01)
     assert turning[2] > 0.3
+
+
+def test_hoap2_stands_on_the_loads_of_its_soles() -> None:
+    loads = [f"{side}_sole_{end}_{edge}_load" for side in SIDES for end in ("front", "rear") for edge in SIDES]
+    model = mujoco.MjModel.from_xml_path(str(SCENE))
+    body = SimulatedBody(model, name="hoap2", home="home", sensors=("gyro", "accelerometer", *loads))
+    still = body.command_angles(body.joint_angles)
+    body.reset()
+    for _ in range(60):
+        senses = body.act(still)
+    weight = model.body_subtreemass[0] * 9.81
+    assert body.senses.read(senses, "touch", loads).sum() == pytest.approx(weight, rel=0.02)
+    assert np.linalg.norm(body.senses.read(senses, "accelerometer")) == pytest.approx(9.81, rel=0.02)
+    assert len(body.senses) == 2 * 25 + 3 + 3 + 8
 
 
 def test_what_sensors_feel_has_units_and_ranges_and_is_not_seen_on_somebody_else() -> None:
