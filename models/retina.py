@@ -1,12 +1,11 @@
 """A retina: what a camera of a simulated body shows, as pixels and nothing else.
 
 An `Eye` turns physics into an image, `(height, width, 3)` bytes of red, green and blue. Two ways to make one stand in
-`RENDERERS`: MuJoCo's ray casting, which needs no graphics (`rays`), and MuJoCo's own renderer over EGL or OSMesa
+`models.renderers`: MuJoCo's ray casting, which needs no graphics (`rays`), and MuJoCo's own renderer over EGL or OSMesa
 (`mujoco`). Both are pinhole cameras with square pixels; the centre of pixel (row i, column j) is the image point
 u = j, v = i (columns to the right, rows downwards), so the optical axis meets the image at ((W - 1)/2, (H - 1)/2).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -95,26 +94,3 @@ def degrade(colour: npt.NDArray[np.float32], options: RetinaOptions, rng: np.ran
         noise += colour
         colour = np.clip(noise, 0.0, 255.0, out=noise)
     return (colour + np.float32(0.5)).astype(np.uint8)
-
-
-def _by_rays(model: mujoco.MjModel, camera: str, options: RetinaOptions) -> Eye:
-    from models.retina_rays import RayEye  # here, because the eyes are built on this module
-
-    return RayEye(model, camera, options)
-
-
-def _by_mujoco(model: mujoco.MjModel, camera: str, options: RetinaOptions) -> Eye:
-    from models.retina_renderer import RenderedEye
-
-    return RenderedEye(model, camera, options)
-
-
-RENDERERS: dict[str, Callable[[mujoco.MjModel, str, RetinaOptions], Eye]] = {"rays": _by_rays, "mujoco": _by_mujoco}
-"""Every way to make an eye."""
-
-
-def open_eye(model: mujoco.MjModel, camera: str, options: RetinaOptions | None = None, renderer: str = "rays") -> Eye:
-    """The eye at `camera`, made by one of `RENDERERS`."""
-    if renderer not in RENDERERS:
-        raise BodyError(unknown("renderer", renderer, RENDERERS))
-    return RENDERERS[renderer](model, camera, options or RetinaOptions())

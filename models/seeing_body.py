@@ -21,7 +21,8 @@ from models.biclops.room import TEACHER
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.part import PartOfBody
-from models.retina import Image, RetinaOptions, open_eye
+from models.renderers import open_eye
+from models.retina import Image, RetinaOptions
 from models.robots import ROBOTS, head_of
 from models.senses import Channel, Senses
 

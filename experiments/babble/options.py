@@ -5,7 +5,7 @@ from typing import Annotated
 
 import tyro
 
-from experiments.shared.options import BABBLING_MINUTES, BodyOptions, options
+from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Minutes, Robot, options
 from models.robots import ROBOTS
 
 
@@ -13,10 +13,10 @@ from models.robots import ROBOTS
 class Config(BodyOptions):
     """Options of `imitate babble`."""
 
-    robot: str = "hoap2"
+    robot: Robot = "hoap2"
     """hoap2, hoap2-worn, or the path of an MJCF file with position actuators; biclops babbles with its eyes, as
     `imitate saccades` does, and leaves a folder."""
-    babbling_minutes: float = BABBLING_MINUTES
+    babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling, over all copies."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""

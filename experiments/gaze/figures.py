@@ -1,21 +1,14 @@
 """Figures of gaze following."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
+from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Episode
-
-if TYPE_CHECKING:
-    from experiments.gaze.run import Found
-
-FloatArray = NDArray[np.float64]
-INK = {"orange": "#e07b00", "lime": "#7bbf00", "cyan": "#00a5a5", "violet": "#7a2fd0"}
-ALONE, PREFERRED = "#8a8a8a", "#d9541e"
+from experiments.shared.palette import INKS, OURS, PLAIN
 
 
 def figures(found: Found, error: float) -> dict[str, Figure]:
@@ -36,7 +29,7 @@ def episode(one: Episode) -> Figure:
     time = np.arange(watched) * FRAME_S
     for k, name in enumerate(one.names):
         mark = " (looked at)" if k == one.target else ""
-        belief.plot(time, one.probability[:watched, k], color=INK[name], lw=2.2, label=name + mark)
+        belief.plot(time, one.probability[:watched, k], color=INKS[name], lw=2.2, label=name + mark)
     belief.set(
         xlabel="s", ylabel="P(object | pose of the head)", ylim=(-0.02, 1.05), title="Eq. (2) while the head turns"
     )
@@ -44,7 +37,7 @@ def episode(one: Episode) -> Figure:
     poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
     poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
     for k, name in enumerate(one.names):
-        poses.plot(*np.rad2deg(one.expected[k]), "o", color=INK[name], ms=11)
+        poses.plot(*np.rad2deg(one.expected[k]), "o", color=INKS[name], ms=11)
         poses.annotate(
             name, np.rad2deg(one.expected[k]), xytext=(0, 9), textcoords="offset points", ha="center", fontsize=8
         )
@@ -63,7 +56,7 @@ def calibration(bins: FloatArray, error: float) -> Figure:
     there = bins[:, 2] > 0
     low = np.sqrt(np.maximum(bins[there, 1] * (1 - bins[there, 1]), 0.02) / bins[there, 2]) * 1.96
     axes.plot([0, 1], [0, 1], color="0.7", lw=1)
-    axes.errorbar(bins[there, 0], bins[there, 1], low, fmt="o", color=PREFERRED, capsize=3, lw=1)
+    axes.errorbar(bins[there, 0], bins[there, 1], low, fmt="o", color=OURS, capsize=3, lw=1)
     axes.set(ylabel="share that was right", title=f"calibration error {error:.3f}", ylim=(0, 1.1))
     counts.bar(bins[there, 0], bins[there, 2], 0.05, color="0.6")
     counts.set(xlabel="P of the most probable object", ylabel="trials", xlim=(0.2, 1.02))
@@ -76,7 +69,7 @@ def preferences(found: Found) -> Figure:
     bars, spread = figure.subplots(1, 2, width_ratios=[1, 1.3])
     n = len(found.alone.right)
     for x, (judged, colour, name) in enumerate(
-        ((found.alone, ALONE, "gaze alone"), (found.preferred, PREFERRED, "with preferences"))
+        ((found.alone, PLAIN, "gaze alone"), (found.preferred, OURS, "with preferences"))
     ):
         rate = judged.right.mean()
         half = 1.96 * np.sqrt(rate * (1 - rate) / n)

@@ -1,6 +1,6 @@
 """A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,9 +9,12 @@ from babbling.looking_storage import load_looking, save_looking
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
-from experiments.gaze.infer import Judged, infer, judge, train_preferences
+from experiments.gaze.figures import figures
+from experiments.gaze.found import Found
+from experiments.gaze.infer import infer, judge, train_preferences
 from experiments.gaze.options import Config
-from experiments.gaze.scene import Episode, episode
+from experiments.gaze.recording import record
+from experiments.gaze.scene import episode
 from experiments.gaze.trials import (
     COPIES,
     PAIR,
@@ -47,17 +50,6 @@ SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
 def scene_of(config: Config) -> Scene:
     """The stage."""
     return Scene(config, config.distance, config.aim_deg)
-
-
-class Found(NamedTuple):
-    """Everything a run found; for figures and the recording."""
-
-    clear: Judged
-    alone: Judged
-    preferred: Judged
-    calibration: FloatArray
-    covered: dict[str, Any]
-    episode: Episode
 
 
 def run(config: Config) -> Result:
@@ -119,9 +111,6 @@ def run(config: Config) -> Result:
     shown_episode = episode(scene, mind, appearance, gaze, head, layout, config.target, config.seed)
     found = Found(clear, alone, preferred, bins, covered, shown_episode)
     metrics = _metrics(config, found, gaze, error, likes, clear_trials.looked, clear_trials.target, mind)
-    from experiments.gaze.figures import figures
-    from experiments.gaze.recording import record
-
     summary = _summary(metrics)
     files = {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=config.seed)}
     return Result(

@@ -1,14 +1,17 @@
 """Options of `imitate gesture`."""
 
-from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from experiments.shared.options import (
     BABBLING_MINUTES,
     BodyOptions,
+    Demonstration,
+    Minutes,
     MirrorOptions,
-    check_demonstration,
+    Selection,
+    ToRead,
     options,
+    some,
 )
 
 
@@ -16,26 +19,20 @@ from experiments.shared.options import (
 class Config(BodyOptions, MirrorOptions):
     """Options of `imitate gesture`."""
 
-    demonstration: str = "icub-wave"
+    demonstration: Demonstration = "icub-wave"
     """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles), or .urdf (a
     robot that performs --motion)."""
-    motion: Path | None = None
+    motion: ToRead | None = None
     """Joint angles (.csv, .npz) that a .urdf teacher performs."""
     correspondence: Literal["learned", "ik"] = "learned"
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
-    selection: str = "mean"
+    selection: Selection = "mean"
     """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
-    attempts: int = 1
+    attempts: Annotated[int, some] = 1
     """How often to try; each attempt corrects what the one before missed."""
-    babbling_minutes: float = BABBLING_MINUTES
+    babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling, over all copies."""
-    forward_model: Path | None = None
+    forward_model: ToRead | None = None
     """A forward model that `imitate babble` left; no babbling then."""
-    body_image: Path | None = None
+    body_image: ToRead | None = None
     """A body image that `imitate correspondence` left; no mirror then."""
-
-    def check(self) -> None:
-        """See `Options`."""
-        super().check()
-        self.check_some("attempts")
-        check_demonstration(self.demonstration)

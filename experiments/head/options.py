@@ -1,10 +1,10 @@
 """Options of `imitate head`."""
 
-from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
-from experiments.shared.options import EyeOptions, options
+from experiments.shared.options import EyeOptions, Minutes, Selection, ToRead, known, options, within
 from models.biclops.movements import movement
 
 MOST_SEQUENCES = 64
@@ -14,40 +14,29 @@ MOST_SEQUENCES = 64
 class Config(EyeOptions):
     """Options of `imitate head`."""
 
-    movement: str = "random"
+    movement: Annotated[str, known(lambda name: movement(name, np.random.default_rng(0)))] = "random"
     """What the teacher does: nod, shake, look_around or random."""
-    sequences: int = 1
+    sequences: Annotated[int, within(1, MOST_SEQUENCES)] = 1
     """How many such sequences; the first one is recorded."""
     study: bool = False
     """20 random sequences."""
     deferred: bool = False
     """Imitate in a new process, from the memory file alone, in another room."""
-    memory: Path | None = None
+    memory: ToRead | None = None
     """Imitate from the memory file that an earlier run left (its mind.nc beside it), without a teacher."""
-    distance: float = 0.7
+    distance: Annotated[float, within(0.4, 1.2, "m, where a face is made out")] = 0.7
     """m between the heads."""
-    occlusion_s: float = 0.3
+    occlusion_s: Annotated[float, within(0, 3, "seconds")] = 0.3
     """How long a card hides the face, somewhere in each sequence; 0 for none."""
-    babbling_minutes: float = 8.0
+    babbling_minutes: Minutes = 8.0
     """Body-minutes of babbling with the neck, over all copies."""
-    lessons: int = 400
+    lessons: Annotated[int, within(100, 5000, "mirrored postures")] = 400
     """Postures that the caregiver mirrors."""
-    selection: str = "mean"
+    selection: Selection = "mean"
     """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
-    start_pan_deg: float = 0.0
+    start_pan_deg: Annotated[float, within(-90, 90, "degrees")] = 0.0
     """Where the imitator happens to look at first; it searches when it sees no face there."""
-    search_s: float = 12.0
+    search_s: Annotated[float, within(0, 120, "seconds", above=True)] = 12.0
     """Seconds after which a search for a face is given up."""
     absent: bool = False
     """Nobody is there."""
-
-    def check(self) -> None:
-        """See `Options`."""
-        super().check()
-        self.check_range("sequences", 1, MOST_SEQUENCES)
-        self.check_range("occlusion_s", 0.0, 3.0, "seconds")
-        self.check_range("search_s", 0.0, 120.0, "seconds", above=True)
-        self.check_range("lessons", 100, 5000, "mirrored postures")
-        self.check_range("start_pan_deg", -90, 90, "degrees")
-        self.check_range("distance", 0.4, 1.2, "m, where a face is made out")
-        movement(self.movement, np.random.default_rng(0))

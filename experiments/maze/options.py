@@ -1,10 +1,10 @@
 """Options of `imitate maze`."""
 
-from pathlib import Path
+from typing import Annotated
 
 from babbling.errors import unknown
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, options
+from experiments.shared.options import Options, Selection, ToRead, options, within
 
 SEEING = ("seen", "unseen")
 """What an observer may see of a teacher's actions."""
@@ -14,25 +14,25 @@ SEEING = ("seen", "unseen")
 class Config(Options):
     """Options of `imitate maze`."""
 
-    maze: Path | None = None
+    maze: ToRead | None = None
     """Drawing of another maze (plain text; models/maze/default.txt shows how); the default is the chapter's."""
     goal: int = 2
     """Goal to imitate: 1, 2, 3, ..."""
-    selection: str = "map"
+    selection: Selection = "map"
     """How an action is chosen from its posterior: map or matching."""
     goal_prior: str = ""
     """P(goal) for intent inference, such as 0.5,0.25,0.25; by default one half for goal 1, the rest shared."""
-    demonstrations: int = 2
+    demonstrations: Annotated[int, within(1, 1000)] = 2
     """Walks per goal that the teacher shows."""
-    wander_steps: int = 5000
+    wander_steps: Annotated[int, within(0, 10_000_000, "steps")] = 5000
     """Random steps from which the forward model is learned; 0 leaves it uniform."""
     actions: str = "seen"
     """Whether intent is inferred with the teacher's actions seen, or unseen: from its places alone."""
     smoothing: float = 0.1
     """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
-    watch: Path | None = None
+    watch: ToRead | None = None
     """Table of walks to watch instead of the teacher's (demonstrations.csv of a run shows how)."""
-    memory: Path | None = None
+    memory: ToRead | None = None
     """Memory of an earlier run (memory.nc) to imitate from, instead of wandering and watching."""
     deferred: bool = False
     """Store what was felt and seen, and imitate from that file in a new process."""
@@ -44,7 +44,5 @@ class Config(Options):
         if self.memory is not None and self.watch is not None:
             raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
         super().check()
-        self.check_range("wander_steps", 0, 10_000_000, "steps")
-        self.check_range("demonstrations", 1, 1000)
         if self.actions not in SEEING:
             raise ExperimentError(unknown("way to watch --actions", self.actions, SEEING))

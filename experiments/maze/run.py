@@ -29,6 +29,7 @@ from experiments.maze.mind import (
 from experiments.maze.options import SEEING, Config
 from experiments.maze.recall import in_new_process, recall
 from experiments.maze.recording import record
+from experiments.maze.study import study
 from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
@@ -96,8 +97,6 @@ def run(config: Config) -> Result:
     if curve is not None and curve.steps:
         figures["learning_curve"] = learning_curve(curve)
     if config.study:
-        from experiments.maze.study import study
-
         with progress("study") as report:
             found = study(maze, config.seed, config.demonstrations, config.wander_steps, config.smoothing, report)
         metrics |= found.metrics

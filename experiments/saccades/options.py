@@ -1,15 +1,15 @@
 """Options of `imitate saccades`."""
 
-from experiments.shared.options import EyeOptions, options
+from experiments.shared.options import EyeOptions, Minutes, Selection, options
 
 
 @options
 class Config(EyeOptions):
     """Options of `imitate saccades`."""
 
-    babbling_minutes: float = 30.0
+    babbling_minutes: Minutes = 30.0
     """Body-minutes of random saccades, over all heads; the pilot's come on top."""
-    selection: str = "mean"
+    selection: Selection = "mean"
     """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
     study: bool = False
     """Many trials instead of a few."""

@@ -13,7 +13,7 @@ from imitation.seeing.finding import Finder, places
 from models.biclops import SCENE
 from models.errors import BodyError
 from models.heads import stage
-from models.retina import open_eye
+from models.renderers import open_eye
 from models.robots import EYE_HEIGHT, ROBOTS, head_of
 from models.seeing_body import SeeingBody, head_fingerprint
 

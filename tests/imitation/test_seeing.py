@@ -7,7 +7,8 @@ from imitation.seeing.features import COLOURS, Feature, find_features, locate, m
 from models.biclops import facts
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
 from models.heads import stage
-from models.retina import RetinaOptions, open_eye
+from models.renderers import open_eye
+from models.retina import RetinaOptions
 
 WIDTH, HEIGHT = 160, 120
 COLOUR_OF = {"left_eye": "blue", "right_eye": "green", "nose": "red", "left_ear": "yellow", "right_ear": "magenta"}
