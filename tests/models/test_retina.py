@@ -5,8 +5,8 @@ import pytest
 from models.biclops.room import Ball
 from models.errors import BodyError
 from models.heads import stage
-from models.renderers import open_eye
-from models.retina import RENDERERS, RetinaOptions
+from models.renderers import RENDERERS, open_eye
+from models.retina import RetinaOptions
 from models.retina_rays import RayEye, _shade
 
 BALL = Ball("ball", (0.6, 0.05, 0.2), (0.9, 0.1, 0.1), radius=0.03)
