@@ -9,8 +9,7 @@ Law, per part with the n senses that move it (organ identification), each on its
 and nothing else, and turns within turns multiply: with this table of harmonics a body of hinges is met exactly and
 experience in one posture speaks for all others, so that noise averages away over everything ever seen (a local fit to
 the nearest postures keeps most of it). Which axis, how long a limb, what hangs from what: all of that is W, learned.
-The prior W ~ N(0, I) is the only smoothing; s is the seeing noise that remains, estimated from the same sums.
-Gram, cross products and counts are additive: images of two babbles merge by adding.
+The prior W ~ N(0, I) is the only smoothing; s is the seeing noise that remains (`babbling.regression`).
 """
 
 from collections.abc import Mapping
@@ -18,12 +17,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from babbling.axes import FloatArray, IntArray
 from babbling.errors import BabblingError
 from babbling.mirroring import MirrorExperience
 from babbling.organs import Organs
+from babbling.regression import Regression
 
 MOST_JOINTS = 6
 """A part keeps this many senses, those that tell most about it: 3^6 harmonics."""
@@ -44,15 +43,13 @@ class PartImage:
 
     def expected(self, postures: FloatArray) -> FloatArray:
         """(N, 3) E[direction | posture] at (N, F) postures; not quite unit vectors."""
-        value = np.broadcast_to(self.weights.reshape(1, -1), (len(postures), self.weights.size))
-        for basis, _ in self._harmonics(postures):
-            value = _contracted(value, basis)
-        return value
+        return self.slope(postures, self.joints[:0])[0]
 
     def slope(self, postures: FloatArray, along: IntArray) -> tuple[FloatArray, FloatArray]:
         """(N, 3) expected directions and (N, 3, len(along)) derivatives by those factors."""
         values: dict[int, FloatArray] = {-1: self.weights.reshape(1, -1)}
-        for joint, (basis, rate) in zip(self.joints.tolist(), self._harmonics(postures), strict=True):
+        harmonics = _harmonics(postures[:, self.joints] - self.centre)
+        for joint, (basis, rate) in zip(self.joints.tolist(), harmonics, strict=True):
             turned = {which: _contracted(value, basis) for which, value in values.items()}
             if joint in along:
                 turned[joint] = _contracted(values[-1], rate)
@@ -62,16 +59,6 @@ class PartImage:
             if joint in values:
                 slope[:, :, place] = values[joint]
         return values[-1], slope
-
-    def _harmonics(self, postures: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-        """Per joint, (N, 3) harmonics and their derivative."""
-        away = postures[:, self.joints] - self.centre
-        sine, cosine = np.sin(away), np.cos(away)
-        one, none = np.ones(len(postures)), np.zeros(len(postures))
-        return [
-            (np.stack([one, sine[:, j], 1 - cosine[:, j]], 1), np.stack([none, cosine[:, j], sine[:, j]], 1))
-            for j in range(len(self.joints))
-        ]
 
 
 @dataclass(frozen=True)
@@ -140,41 +127,37 @@ def learn_image(
 def _learned(
     part: str, q: FloatArray, seen: FloatArray, joints: IntArray, middle: FloatArray, library: FloatArray
 ) -> tuple[PartImage, FloatArray]:
-    """Sums over (T, B) moments, then the posterior mean of W with s^2 found by iteration; and (K,) doubt."""
+    """Sums over (T, B) moments and the posterior of W; and (K,) doubt."""
     size = 3 ** len(joints)
     ticks = len(q) // AVERAGED * AVERAGED
     if ticks // AVERAGED * q.shape[1] < 2 * size**0.5:
         raise BabblingError(f"the {part} was seen too shortly to learn from; babble longer in front of the mirror")
-    gram, cross, square, count = np.zeros((size, size)), np.zeros((size, 3)), 0.0, 0
+    sums = Regression(1, size, 3)
     for start in range(0, ticks, 10 * AVERAGED):
         block = slice(start, min(start + 10 * AVERAGED, ticks))
-        phi = _features(q[block].reshape(-1, q.shape[-1]), joints, middle[joints])
-        phi = phi.reshape(-1, AVERAGED, q.shape[1], size).mean(1).reshape(-1, size)
-        y = seen[block].reshape(-1, AVERAGED, q.shape[1], 3).mean(1).reshape(-1, 3)
-        gram += phi.T @ phi
-        cross += phi.T @ y
-        square += float((y * y).sum())
-        count += len(y)
-    variance = 1e-4
-    for _ in range(6):
-        factor = cho_factor(gram + (variance + 1e-12 * np.trace(gram) / size) * np.eye(size), lower=True)
-        weights = cho_solve(factor, cross)
-        misfit = square - 2 * float((weights * cross).sum()) + float((weights * (gram @ weights)).sum())
-        variance = max(misfit / (3 * count), LEAST_VARIANCE)
-    noise = float(np.sqrt(variance * AVERAGED))
-    phi = _features(library, joints, middle[joints])
-    unknown = np.einsum("kl,lk->k", phi, cho_solve(factor, phi.T)) / AVERAGED
-    image = PartImage(joints, middle[joints], weights.reshape(*(3,) * len(joints), 3), noise)
-    return image, noise**2 * (1 + unknown)
+        phi = _features(q[block].reshape(-1, q.shape[-1])[:, joints] - middle[joints])
+        phi = phi.reshape(-1, AVERAGED, q.shape[1], size).mean(1).reshape(-1, 1, size)
+        sums.observe(phi, seen[block].reshape(-1, AVERAGED, q.shape[1], 3).mean(1).reshape(-1, 1, 3))
+    fit, variance = sums.fit_with_noise(prior=1.0, least=LEAST_VARIANCE)
+    variance *= AVERAGED
+    image = PartImage(joints, middle[joints], fit.coefficients[0].T.reshape(*(3,) * len(joints), 3), variance**0.5)
+    unknown = fit.doubt(_features(library[:, joints] - middle[joints])[:, None])[:, 0]
+    return image, variance * (1 + unknown / AVERAGED)
 
 
-def _features(postures: FloatArray, joints: IntArray, centre: FloatArray) -> FloatArray:
+def _harmonics(away: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
+    """Per joint of (N, n) angles from the middle, (N, 3) harmonics and their derivative."""
+    sine, cosine = np.sin(away), np.cos(away)
+    one = np.ones_like(away)
+    values, rates = np.stack([one, sine, 1 - cosine], -1), np.stack([0 * one, cosine, sine], -1)
+    return [(values[:, j], rates[:, j]) for j in range(away.shape[1])]
+
+
+def _features(away: FloatArray) -> FloatArray:
     """(N, 3^n) products of harmonics, the first joint's slowest."""
-    away = postures[:, joints] - centre
-    phi = np.ones((len(postures), 1))
-    for j in range(len(joints)):
-        one = np.stack([np.ones(len(away)), np.sin(away[:, j]), 1 - np.cos(away[:, j])], 1)
-        phi = (phi[:, :, None] * one[:, None, :]).reshape(len(away), -1)
+    phi = np.ones((len(away), 1))
+    for basis, _ in _harmonics(away):
+        phi = (phi[:, :, None] * basis[:, None, :]).reshape(len(away), -1)
     return phi
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.regression import regress
 from babbling.schema import BodySchema
 
 PERSISTENCE = 0.98
@@ -43,26 +44,21 @@ def fit_dynamics(schema: BodySchema, motors: FloatArray, senses: FloatArray) -> 
     """Least squares on (T, B, M) commands and (T + 1, B, S) sensations of smooth babbling."""
     q, v = senses[..., schema.posture], senses[..., schema.rate]
     action = schema.efference(motors) - q[:-1]
-    factors = q.shape[-1]
-    transition, control, offset = np.zeros((factors, 3, 3)), np.zeros((factors, 3)), np.zeros((factors, 3))
-    noise, bias, coasting = np.zeros((factors, 3, 3)), np.zeros(factors), np.zeros(factors)
-    for f in range(factors):
-        x = np.stack([np.ones_like(action[..., f]), v[:-1, :, f], action[..., f]], -1)
-        y = np.stack([q[1:, :, f] - q[:-1, :, f], v[1:, :, f]], -1)
-        beta = np.linalg.lstsq(x.reshape(-1, 3), y.reshape(-1, 2), rcond=None)[0]
-        residual = y - x @ beta
-        covariance = np.cov(residual.reshape(-1, 2).T)
-        displacement = residual[..., 0]
-        lagged = [np.mean(displacement[lag:] * displacement[:-lag]) for lag in SLOW_LAGS]
-        slow = float(np.clip(np.mean(lagged) / np.mean(displacement**2), 0.02, 0.98))
-        bias[f], coasting[f] = slow * covariance[0, 0], beta[1, 0]
-        transition[f] = [
-            [1 - beta[2, 0], beta[1, 0], 1],
-            [-beta[2, 1], beta[1, 1], covariance[0, 1] / covariance[0, 0]],
-            [0, 0, PERSISTENCE],
-        ]
-        control[f] = [beta[2, 0], beta[2, 1], 0]
-        offset[f] = [beta[0, 0], beta[0, 1], 0]
-        noise[f, :2, :2] = (1 - slow) * covariance
-        noise[f, 2, 2] = bias[f] * (1 - PERSISTENCE**2)
-    return LinearDynamics(transition, control, offset, noise, bias, coasting)
+    x = np.stack([np.ones_like(action), v[:-1], action], -1)
+    y = np.stack([q[1:] - q[:-1], v[1:]], -1)
+    count, factors = action[..., 0].size, action.shape[-1]
+    fit = regress(x.reshape(count, factors, 3), y.reshape(count, factors, 2))
+    stay, coast, pull = np.moveaxis(fit.coefficients, -1, 0)
+    covariance = fit.covariance * count / (count - 1)
+    rest = (y - fit.mean(x))[..., 0]
+    lagged = [np.mean(rest[lag:] * rest[:-lag], axis=(0, 1)) for lag in SLOW_LAGS]
+    slow = np.clip(np.mean(lagged, axis=0) / np.mean(rest**2, axis=(0, 1)), 0.02, 0.98)
+    bias = slow * covariance[:, 0, 0]
+    transition, noise = np.zeros((factors, 3, 3)), np.zeros((factors, 3, 3))
+    transition[:, :2, 0], transition[:, :2, 1] = [1, 0] - pull, coast
+    transition[:, 0, 2], transition[:, 1, 2] = 1, covariance[:, 0, 1] / covariance[:, 0, 0]
+    transition[:, 2, 2] = PERSISTENCE
+    noise[:, :2, :2] = (1 - slow)[:, None, None] * covariance
+    noise[:, 2, 2] = bias * (1 - PERSISTENCE**2)
+    control, offset = (np.pad(part, ((0, 0), (0, 1))) for part in (pull, stay))
+    return LinearDynamics(transition, control, offset, noise, bias, coast[:, 0])

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from babbling.axes import UNIT, Axis, FloatArray, IntArray
 from babbling.errors import BabblingError
 from babbling.grids import hat_mass, interpolate
-from babbling.linear_gaussian import SCALE, LinearFit, LinearGaussian
+from babbling.regression import SCALE, LinearFit, LinearGaussian
 
 _CHUNK = 1 << 16  # transitions per exact bincount: 2^16 x 2^36 < 2^53
 _BITS = UNIT.bit_length() - 1

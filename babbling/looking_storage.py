@@ -8,13 +8,14 @@ import xarray as xr
 
 from babbling.axes import Axis
 from babbling.errors import BabblingError
-from babbling.looking import COPY_TERMS, Efference, LookingPilot, Reach, Retina
+from babbling.looking import LookingPilot, Reach, Retina, copy_terms
+from babbling.schema import BodySchema
 from babbling.sight import LookingMind
 from babbling.storage import LARGEST_CELLS, read_dataset, write_dataset
 
-FORMAT, VERSION = "imitation-laboratory eyes", 1
+FORMAT, VERSION = "imitation-laboratory eyes", 2
 _PILOT = {"centre": "coordinate", "half": "coordinate", "low": "motor", "high": "motor", "largest": "motor",
-          "posture": "motor", "offset": "motor", "slope": "motor"}  # fmt: skip
+          "posture": "motor", "offset": "motor", "slope": "motor", "noise": "motor"}  # fmt: skip
 
 
 def save_looking(mind: LookingMind, path: Path, **notes: str | int | float) -> None:
@@ -24,12 +25,13 @@ def save_looking(mind: LookingMind, path: Path, **notes: str | int | float) -> N
         BabblingError: the place cannot be written.
     """
     pilot, model = mind.pilot, mind.forward_model
-    held = {**pilot.retina._asdict(), **vars(pilot.reach), **pilot.efference._asdict()}
+    held = {**pilot.retina._asdict(), **vars(pilot.reach), **vars(pilot.schema)}
     variables: dict[str, Any] = {name: ((dim,), held[name]) for name, dim in _PILOT.items()}
     variables |= {
         "counts": (("factor", "u", "v", "other", "action", "outcome"), model.counts),
         "moments": (("factor", "channel", "channel_"), model.moments.sums),
         "outside": (("factor",), model.outside),
+        "information": (("motor", "sense"), pilot.schema.information),
         "efference_copy": (("factor", "term"), pilot.line),
         "outcome_high": (("factor",), pilot.outcome.high, {"units": pilot.outcome.unit}),
     }
@@ -70,7 +72,8 @@ def _mind(dataset: xr.Dataset) -> LookingMind:
     ):
         raise ValueError("two motors and one or two eyes were expected")
     line, high = array("efference_copy"), array("outcome_high")
-    if line.shape != (motors * coordinates, COPY_TERMS) or high.shape != (len(line),):
+    terms = copy_terms(*np.zeros((2 + motors, 1))).shape[-1]
+    if line.shape != (motors * coordinates, terms) or high.shape != (len(line),):
         raise ValueError("the efference copy has another shape")
     first = int(dataset.attrs["first"])
     if not ((0 <= held["posture"]) & (held["posture"] < first)).all():
@@ -78,10 +81,19 @@ def _mind(dataset: xr.Dataset) -> LookingMind:
     counts = dataset["counts"]
     if counts.ndim != 6 or counts.dtype != np.int64 or counts.size > LARGEST_CELLS or int(counts.min()) < 0:
         raise ValueError("counts must be a bounded table of whole numbers from 0")
+    none = np.zeros(0)
     pilot = LookingPilot(
         Retina(first, coordinates, held["centre"], held["half"]),
         Reach(held["low"], held["high"], held["largest"]),
-        Efference(held["posture"], held["offset"], held["slope"]),
+        BodySchema(
+            held["posture"],
+            none.astype(np.int64),
+            held["offset"],
+            held["slope"],
+            held["noise"],
+            none,
+            array("information"),
+        ),
         line,
         Axis("outcome", "px", -high, high, counts.shape[-1]),
         str(dataset.attrs["fingerprint"]),

@@ -14,6 +14,7 @@ import numpy as np
 from babbling.axes import Axis, FloatArray
 from babbling.body import Body
 from babbling.dynamics import LinearDynamics, fit_dynamics
+from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, smooth
 from babbling.forward_model import ForwardModel
 from babbling.loop import explore, flat
@@ -71,15 +72,14 @@ def pilot(body: Body, seed: int) -> Pilot:
         BabblingError: a motor that moves nothing that is felt.
     """
     tick = body.tick_s
-    middle = (body.motor_low + body.motor_high) / 2
-    _, resting = explore(body, repeat(np.tile(middle, (body.copies, 1))), round((SETTLE_S + REST_S) / tick))
-    everything = MotorRange(body.motor_low, body.motor_high, middle, (body.motor_high - body.motor_low) / 4, 0 * middle)
-    stream = smooth(everything, body.copies, tick, np.random.default_rng([seed, 1]))
-    motors, senses = explore(body, stream, round(WIRING_S / tick))
-    settled = round(SETTLE_S / tick)
-    schema = find_schema(
-        motors[settled:], senses[settled + 1 :], resting[settled:], body.sense_low, body.sense_high, tick
-    )
+    middle, half = (body.motor_low + body.motor_high) / 2, (body.motor_high - body.motor_low) / 2
+    everything = MotorRange(body.motor_low, body.motor_high, middle, half / 2, 0 * half)
+    schema, _ = wire(body, smooth(everything, body.copies, tick, np.random.default_rng([seed, 1])))
+    if not len(schema.rate):
+        raise BabblingError(
+            f"{len(body.motor_low)} motors but only {len(body.sense_low)} senses: each motor needs one that says where "
+            "it is and one that says how fast it moves"
+        )
     span = motor_range(schema, body)
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
@@ -87,7 +87,7 @@ def pilot(body: Body, seed: int) -> Pilot:
     coasting = dynamics.coasting
     seen = Proprioception(schema, coasting).transitions(*flat(motors, senses))
     rate, action, outcome = (
-        _symmetric(name, unit, values, size)
+        symmetric(name, unit, values, size)
         for name, unit, values, size in zip(
             ("rate", "action", "outcome"),
             ("rad/s", "rad", "rad"),
@@ -98,6 +98,21 @@ def pilot(body: Body, seed: int) -> Pilot:
     )
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
     return Pilot(schema, span, coasting, dynamics, rate, action, outcome, minutes)
+
+
+def wire(body: Body, stream: Iterator[FloatArray], lines: slice = slice(None)) -> tuple[BodySchema, int]:
+    """Rest, then send a stream of commands: what moves what among these senses; and how many ticks it took.
+
+    Raises:
+        BabblingError: a motor that moves nothing that is felt.
+    """
+    rest, moving, settled = (round(s / body.tick_s) for s in (SETTLE_S + REST_S, WIRING_S, SETTLE_S))
+    middle = np.tile((body.motor_low + body.motor_high) / 2, (body.copies, 1))
+    _, resting = explore(body, repeat(middle), rest)
+    motors, senses = explore(body, stream, moving)
+    low, high = body.sense_low[lines], body.sense_high[lines]
+    felt, still = senses[settled + 1 :, :, lines], resting[settled:, :, lines]
+    return find_schema(motors[settled:], felt, still, low, high, body.tick_s), rest + moving
 
 
 def motor_range(schema: BodySchema, body: Body) -> MotorRange:
@@ -114,6 +129,15 @@ def motor_range(schema: BodySchema, body: Body) -> MotorRange:
     )
 
 
-def _symmetric(name: str, unit: str, values: FloatArray, size: int) -> Axis:
-    reach = MARGIN * np.quantile(np.abs(values), QUANTILE, axis=0)
+def symmetric(
+    name: str,
+    unit: str,
+    values: FloatArray,
+    size: int,
+    margin: float = MARGIN,
+    quantile: float = QUANTILE,
+    more: float = 0.0,
+) -> Axis:
+    """An axis about 0 that reaches `margin` times this quantile of |(N, F) values|, NaN left out, and `more`."""
+    reach = margin * np.nanquantile(np.abs(values), quantile, axis=0) + more
     return Axis(name, unit, -reach, reach, size)

@@ -13,8 +13,10 @@ from scipy.optimize import linear_sum_assignment
 
 from babbling.axes import FloatArray, IntArray
 from babbling.errors import BabblingError
+from babbling.regression import regress
 
 BINS = 12
+"""Of every variable, fewer where the pairs of bins would not get two samples each."""
 LEAST_BITS = 0.1
 """A sense that knows less than this about a motor is not moved by it, however many samples say so."""
 
@@ -26,7 +28,7 @@ class BodySchema:
     posture: IntArray
     """(F,) sense line that motor f moves."""
     rate: IntArray
-    """(F,) sense line that reports how fast it moves."""
+    """(F,) sense line that reports how fast it moves; (0,) where the senses are too few for that."""
     offset: FloatArray
     """(F,) posture that command 0 asks for, sense units."""
     slope: FloatArray
@@ -92,13 +94,13 @@ def find_schema(
         BabblingError: a motor that moves nothing that is felt.
     """
     m, s = motors.reshape(-1, motors.shape[-1]), senses.reshape(-1, senses.shape[-1])
-    change = np.diff(senses, axis=0) / tick_s
-    information = mutual_information(m, s)
+    bins = min(BINS, max(2, int(np.sqrt(len(m) / 2))))
+    information = mutual_information(m, s, bins)
     rows, posture = linear_sum_assignment(-information)
     if len(rows) < m.shape[1]:
         raise BabblingError(f"{m.shape[1]} motors but only {s.shape[1]} senses: each motor needs a sense that it moves")
     # how much another copy's motors seem to tell by chance: smooth movements are far fewer samples than ticks
-    by_chance = [mutual_information(other.reshape(m.shape), s).max() for other in _others(motors, s.shape[1])]
+    by_chance = [mutual_information(other.reshape(m.shape), s, bins).max() for other in _others(motors, s.shape[1])]
     chance = max(LEAST_BITS, 1.1 * float(max(by_chance)))
     weak = information[rows, posture] < chance
     if weak.any():
@@ -107,8 +109,15 @@ def find_schema(
             f"motor {dead} moves nothing that is felt: at most {information[dead].max():.2f} bit with any sense, where "
             f"chance alone explains {chance:.2f}; connect it, or leave it out"
         )
-    # the rate sense: among the others, the one that goes with the posture's own change
-    change = change.reshape(-1, change.shape[-1])[:, posture]
+    rate = _rates(senses, posture, tick_s) if s.shape[1] >= 2 * m.shape[1] else posture[:0]
+    offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
+    noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
+    return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
+
+
+def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> IntArray:
+    """(F,) rate senses: among the others, those that go with the postures' own changes."""
+    change = (np.diff(senses, axis=0) / tick_s).reshape(-1, senses.shape[-1])[:, posture]
     level = senses[1:].reshape(-1, senses.shape[-1])
     with np.errstate(invalid="ignore", divide="ignore"):
         follow = ((change - change.mean(0)).T @ (level - level.mean(0))) / (
@@ -116,10 +125,7 @@ def find_schema(
         )
     follow = np.nan_to_num(follow)
     follow[:, posture] = -1
-    _, rate = linear_sum_assignment(-follow)
-    offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
-    noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
-    return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
+    return np.asarray(linear_sum_assignment(-follow)[1])
 
 
 def _others(motors: FloatArray, senses: int) -> list[FloatArray]:
@@ -145,18 +151,13 @@ def _efference(
 ) -> tuple[FloatArray, FloatArray]:
     """posture = offset + slope motor - lag rate, by least squares where the posture is away from its ends.
 
-    Samples that a first fit misses by far are cut commands (beyond what the drive accepts) and are left out.
+    Samples that a fit misses by far are cut commands (beyond what the drive accepts) and are left out of the next.
     """
-    offset, slope = np.zeros(motors.shape[1]), np.zeros(motors.shape[1])
-    for f in range(motors.shape[1]):
-        room = 0.06 * (high[f] - low[f])
-        keep = (postures[:, f] > low[f] + room) & (postures[:, f] < high[f] - room)
-        design = np.stack([np.ones(len(motors)), motors[:, f], rates[:, f]], 1)
-        for _ in range(4):
-            if keep.sum() < 10:
-                raise BabblingError(f"motor {f}: its posture sense never leaves the ends of its range")
-            beta = np.linalg.lstsq(design[keep], postures[keep, f], rcond=None)[0]
-            miss = np.abs(postures[:, f] - design @ beta)
-            keep &= miss <= 3 * np.sqrt(np.mean(miss[keep] ** 2))
-        offset[f], slope[f] = beta[0], beta[1]
-    return offset, slope
+    room = 0.06 * (high - low)
+    away = (postures > low + room) & (postures < high - room)
+    told = [np.ones_like(motors), motors, rates] if rates.size else [np.ones_like(motors), motors]
+    fit = regress(np.stack(told, axis=-1), postures[..., None], keep=away, outlier=3.0, rounds=4)
+    if (fit.samples < 10).any():
+        stuck = int(np.argmin(fit.samples))
+        raise BabblingError(f"motor {stuck}: its posture sense never leaves the ends of its range")
+    return fit.coefficients[:, 0, 0], fit.coefficients[:, 0, 1]

@@ -115,14 +115,14 @@ def episode(
                 leader = best
         note(pose.copy(), belief.copy(), nothing)
     chosen = int(belief.argmax())
-    fixation = Fixation(mind.sight, mind.pilot.reach)
+    fixation = Fixation(mind)
     for number in range(2):
         things, posture = toys_seen(body, senses, mind, names)[0], body.senses.read(senses, "angle")
         saccade = fixation.choose(np.nan_to_num(things[:, chosen]), posture, rng)
         events.append((len(images) * FRAME_S, f"looks at {names[chosen]}" if not number else "corrects"))
-        after = mind.sight.expect(things[0], np.repeat(posture, count, 0), np.repeat(saccade.change, count, 0))
+        after = mind.expect(things[0], np.repeat(posture, count, 0), np.repeat(saccade.change, count, 0))
         predicted = after.reshape(count, 2, 2) + centre
-        command = mind.pilot.efference.motors(posture + saccade.change)
+        command = mind.pilot.schema.motors(posture + saccade.change)
         for _ in range(round((LOOK_S if not number else 0.4) / FRAME_S)):
             senses = body.act(command)
             note(np.full(2, np.nan), belief.copy(), predicted)

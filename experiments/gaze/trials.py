@@ -164,12 +164,12 @@ def _look(
     rng: np.random.Generator,
 ) -> FloatArray:
     """Two saccades to the chosen toys: (B, 2) toy nearest the middle, its distance."""
-    fixation = Fixation(mind.sight, mind.pilot.reach)
+    fixation = Fixation(mind)
     every = np.arange(len(chosen))
     for _ in range(2):
         things, posture = toys_seen(body, senses, mind, toys)[0], body.senses.read(senses, "angle")
         saccade = fixation.choose(np.nan_to_num(things[every, chosen]), posture, rng)
-        senses = body.act(mind.pilot.efference.motors(posture + saccade.change))
+        senses = body.act(mind.pilot.schema.motors(posture + saccade.change))
     away = np.linalg.norm(toys_seen(body, senses, mind, toys)[0][..., :2], axis=-1)
     away = np.where(np.isfinite(away), away, np.inf)
     return np.stack([away.argmin(1).astype(float), away.min(1)], axis=-1)
@@ -177,20 +177,16 @@ def _look(
 
 def geometry(mind: LookingMind) -> Geometry:
     """Pixels per radian of turning at the image's middle: what oculomotor babbling says of one's own eyes."""
-    model = mind.sight
     step = 0.02
     middle = np.zeros((2, 4))
     change = np.array([[0.0, step], [0.0, -step]])
-    moved = model.expect(middle, np.zeros((2, 2)), change)
+    moved = mind.expect(middle, np.zeros((2, 2)), change)
     return Geometry(float(abs(moved[0, 1] - moved[1, 1]) / (2 * step)))
 
 
 def reader(mind: LookingMind) -> GazeReader:
     """A reader of gaze that has been shown nothing yet."""
-    reach = mind.pilot.reach
-    return GazeReader(
-        (Fixation(mind.sight, reach, eye=0), Fixation(mind.sight, reach, eye=1)), geometry(mind), WATCH_TILT
-    )
+    return GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), geometry(mind), WATCH_TILT)
 
 
 def head_place(where: Geometry, place: FloatArray, tilt: FloatArray, centre: FloatArray) -> FloatArray:

@@ -43,7 +43,7 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
     field.set(xlabel="u from the middle [px]", ylabel="v from the middle [px]", title="unseen saccades, left eye")
     field.legend(loc="upper center", ncols=3, fontsize=8, bbox_to_anchor=(0.5, -0.14), frameon=False)
     bins = np.geomspace(0.01, 10, 50)
-    peer = trials.error(mind.sight.expect(trials.before, trials.posture, trials.change, table=False))
+    peer = trials.error(mind.expect(trials.before, trials.posture, trials.change, table=False))
     for values, colour, name in ((trials.error(guess), OURS, "forward model"), (peer, THEIRS, "efference copy alone")):
         errors.hist(values, bins, histtype="step", color=colour, lw=1.8, label=f"{name}: {values.mean():.3f} px")
         errors.axvline(values.mean(), color=colour, lw=1, ls=":")
@@ -86,8 +86,8 @@ def forward_model(mind: LookingMind) -> Figure:
         change[:, row] = np.deg2rad((10.0, 8.0)[row])
         posture = np.zeros((len(things), 2))
         posture[:, 1 - row] = 0.3 if row == 0 else 0.0
-        whole = mind.sight.expect(things, posture, change)[:, :2] - things[:, :2]
-        copy = mind.sight.expect(things, posture, change, table=False)[:, :2] - things[:, :2]
+        whole = mind.expect(things, posture, change)[:, :2] - things[:, :2]
+        copy = mind.expect(things, posture, change, table=False)[:, :2] - things[:, :2]
         for column, (field, scale, title) in enumerate(
             ((whole, 1.0, "displacement"), (whole - copy, None, "the table's share"))
         ):

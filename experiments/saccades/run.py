@@ -122,9 +122,9 @@ def run(config: Config) -> Result:
 def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 18) -> list[Glance]:
     """One head looks at one toy after the other: what the recording shows."""
     body = nursery(eyes, seed, copies=1)
-    fixation = Fixation(mind.sight, mind.pilot.reach, selection)
+    fixation = Fixation(mind, selection)
     rng = np.random.default_rng([seed, 79])
-    efference, retina, reach = mind.pilot.efference, mind.pilot.retina, mind.pilot.reach
+    schema, retina, reach = mind.pilot.schema, mind.pilot.retina, mind.pilot.reach
     senses = body.reset()
     glances: list[Glance] = []
     visits = np.zeros(len(TOYS), int)
@@ -145,8 +145,8 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
         else:
             elsewhere = reach.low + (reach.high - reach.low) * rng.random((1, 2))
             change, event, last = elsewhere - posture, "nothing new in view: looks elsewhere", -1
-        expected = mind.sight.expect(things, np.repeat(posture, len(things), 0), np.repeat(change, len(things), 0))
-        senses = body.act(efference.motors(posture + change))
+        expected = mind.expect(things, np.repeat(posture, len(things), 0), np.repeat(change, len(things), 0))
+        senses = body.act(schema.motors(posture + change))
         things = retina.things(senses)[0]
         glances.append(
             Glance(body.images[0], things + centre, expected + centre, body.joint_angles[0].copy(), last, event)

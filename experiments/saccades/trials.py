@@ -1,15 +1,17 @@
 """Trials of looking: unseen saccades to predict, things to fixate."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import Looking, copy_terms, saccades
+from babbling.looking import saccades
 from babbling.loop import explore, flat
 from babbling.reading import Transitions
-from babbling.sight import LookingMind, Sight
+from babbling.regression import regress
+from babbling.sight import LookingMind
 from imitation.gaze.fixation import Fixation
 from models.seeing_body import SeeingBody
 
@@ -52,12 +54,12 @@ class Fixated(NamedTuple):
 def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) -> Predicted:
     """Saccades of both motors at once among toys that were never looked at."""
     stream = saccades(
-        mind.pilot.reach, mind.pilot.efference, body.copies, np.random.default_rng([seed, 77]), together=True
+        mind.pilot.reach, mind.pilot.schema, body.copies, np.random.default_rng([seed, 77]), together=True
     )
     before, motors, after = flat(*explore(body, stream, count))
     was, now = (mind.pilot.retina.things(s) for s in (before, after))
-    posture = before[:, mind.pilot.efference.posture]
-    change = mind.pilot.efference.postures(motors) - posture
+    posture = before[:, mind.pilot.schema.posture]
+    change = mind.pilot.schema.efference(motors) - posture
     things = was.shape[1]
     rows = Predicted(
         was.reshape(-1, 4),
@@ -72,43 +74,37 @@ def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) 
 
 def expected(mind: LookingMind, trials: Predicted) -> FloatArray:
     """(N, 4) where the forward model expects things after a trial's saccade."""
-    return mind.sight.expect(trials.before, trials.posture, trials.change)
+    return mind.expect(trials.before, trials.posture, trials.change)
 
 
 def copied(mind: LookingMind, trials: Predicted) -> FloatArray:
     """The least-squares peer: the efference copy's account alone, chained in the same way."""
-    return mind.sight.expect(trials.before, trials.posture, trials.change, table=False)
+    return mind.expect(trials.before, trials.posture, trials.change, table=False)
 
 
 def least_squares(mind: LookingMind, notes: list[Transitions], trials: Predicted) -> FloatArray:
     """The peer: least squares of the efference copy's terms on the very experience that the table counted, chained."""
-    reading = mind.reading
-    parts = [np.concatenate([note.outcome for note in notes]), np.concatenate([note.action for note in notes])]
-    context = [np.concatenate([note.context[i] for note in notes]) for i in range(3)]
-    line = np.empty_like(reading.line)
-    for f in range(len(line)):
-        use = np.isfinite(parts[0][:, f]) & np.isfinite(context[0][:, f])
-        inside = tuple(c[use, f] for c in context)
-        x = copy_terms(parts[1][use, f], *(c / s for c, s in zip(inside, reading.scale[1:], strict=True)))
-        moved = parts[0][use, f] + reading.straight_of(f, inside, parts[1][use, f])
-        line[f] = np.linalg.lstsq(x, moved, rcond=None)[0]
-    peer = Sight(Looking(reading.retina, reading.efference, line), mind.forward_model)
-    return peer.expect(trials.before, trials.posture, trials.change, table=False)
+    every = Transitions(
+        tuple(np.concatenate(values) for values in zip(*(note.context for note in notes), strict=True)),
+        np.concatenate([note.action for note in notes]),
+        np.concatenate([note.outcome for note in notes]),
+    )
+    line = mind.pilot.fit(every).coefficients[:, 0]
+    return copied(replace(mind, pilot=replace(mind.pilot, line=line)), trials)
 
 
 def straight_lines(mind: LookingMind, body: SeeingBody, trials: Predicted, seed: int) -> FloatArray:
     """One straight line for each image coordinate, fitted to other saccades of both motors: the plainest peer."""
-    fit = unseen_saccades(mind, body, 10, seed + 1)
-    guess = np.full_like(trials.before, np.nan)
-    for c in range(4):
-        eye = slice(2 * (c // 2), 2 * (c // 2) + 2)
-        use = np.isfinite(fit.before[:, eye].sum(1) + fit.after[:, c])
-        inputs = [
-            np.column_stack([np.ones(len(t.before)), t.before[:, eye], t.posture, t.change]) for t in (fit, trials)
-        ]
-        line = np.linalg.lstsq(inputs[0][use], (fit.after - fit.before)[use, c], rcond=None)[0]
-        guess[:, c] = trials.before[:, c] + inputs[1] @ line
-    return guess
+
+    def features(seen: Predicted) -> FloatArray:
+        """(N, 4, 7) 1, postures, changes, and where the coordinate's own eye saw the thing."""
+        own = np.repeat(seen.before.reshape(-1, 2, 2), 2, axis=1)
+        shared = np.column_stack([np.ones(len(own)), seen.posture, seen.change])[:, None]
+        return np.concatenate([np.broadcast_to(shared, (*own.shape[:2], 5)), own], axis=-1)
+
+    others = unseen_saccades(mind, body, 10, seed + 1)
+    fit = regress(features(others), (others.after - others.before)[..., None])
+    return np.asarray(trials.before + fit.mean(features(trials))[..., 0])
 
 
 def fixate(
@@ -120,16 +116,16 @@ def fixate(
     report: Callable[[float], None] = lambda done: None,
 ) -> Fixated:
     """Look at toys seen anywhere in the central part of the left eye's field: one saccade, and a second."""
-    fixation = Fixation(mind.sight, mind.pilot.reach, selection)
+    fixation = Fixation(mind, selection)
     rng = np.random.default_rng([seed, 78])
-    reach, efference, retina = mind.pilot.reach, mind.pilot.efference, mind.pilot.retina
+    reach, schema, retina = mind.pilot.reach, mind.pilot.schema, mind.pilot.retina
     starts, errors, uninformed = [], [], 0
     copies = np.arange(body.copies)
     for round_ in range(rounds):
         body.reset()
         middle = (reach.low + reach.high) / 2
         posture = middle + (reach.high - reach.low) / 2 * 0.4 * (2 * rng.random((body.copies, 2)) - 1)
-        senses = body.act(efference.motors(posture))
+        senses = body.act(schema.motors(posture))
         things, posture = retina.things(senses), body.senses.read(senses, "angle")
         target = np.full(body.copies, -1)
         for copy in copies:
@@ -144,7 +140,7 @@ def fixate(
             posture = body.senses.read(senses, "angle")
             saccade = fixation.choose(np.nan_to_num(thing), posture, rng)
             uninformed += int(saccade.uninformed[tried].sum())
-            senses = body.act(efference.motors(posture + saccade.change))
+            senses = body.act(schema.motors(posture + saccade.change))
             things = retina.things(senses)
             away = np.hypot(*things[copies, target, :2].T)
             errors.append(np.where(np.isfinite(away), away, np.inf)[tried])

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
 from babbling.grids import interpolate
-from babbling.looking import Reach
-from babbling.sight import Sight
+from babbling.sight import LookingMind
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.selection import selection_rule
 
@@ -38,15 +37,14 @@ class Fixation:
     """Chooses saccades that bring things to a place of one eye's image.
 
     Args:
-        sight: the learned forward model.
-        reach: postures that may be asked for.
+        mind: what was learned of looking with two motors; it asks for postures within its pilot's reach.
         selection: name of a selection rule.
         eye: 0 left, 1 right.
     """
 
-    def __init__(self, sight: Sight, reach: Reach, selection: str = "mean", eye: int = 0) -> None:
-        self.sight, self.reach, self.rule, self.eye = sight, reach, selection_rule(selection), eye
-        limit = reach.largest
+    def __init__(self, mind: LookingMind, selection: str = "mean", eye: int = 0) -> None:
+        self.mind, self.rule, self.eye = mind, selection_rule(selection), eye
+        limit = mind.pilot.reach.largest
         self.candidates = tuple(
             Axis("change", "rad", np.array([-limit[m]]), np.array([limit[m]]), CANDIDATES) for m in range(2)
         )
@@ -65,7 +63,7 @@ class Fixation:
             uninformed |= ~posterior.informed
             step = np.zeros_like(change)
             step[:, motor] = change[:, motor]
-            here = self.sight.expect(here, place, step)
+            here = self.mind.expect(here, place, step)
             place[:, motor] += change[:, motor]
             posteriors.append(posterior)
         return Saccade(change, (posteriors[0], posteriors[1]), here, uninformed)
@@ -77,26 +75,23 @@ class Fixation:
 
         The prior is uniform over the changes that stay within reach.
         """
-        reading, model = self.sight.reading, self.sight.forward_model
-        coordinates = reading.retina.coordinates
-        factor = motor * coordinates + 2 * self.eye + motor
+        pilot, model = self.mind.pilot, self.mind.forward_model
+        factor = motor * pilot.retina.coordinates + 2 * self.eye + motor
+        mine = slice(factor, factor + 1)
         actions = self.candidates[motor].points[0]
-        shape = (len(things), CANDIDATES)
+        shape = (len(things), CANDIDATES, 1)
         context = tuple(
-            np.broadcast_to(value[:, None], shape)
+            np.broadcast_to(value[:, None, None], shape)
             for value in (things[:, 2 * self.eye], things[:, 2 * self.eye + 1], posture[:, 1 - motor])
         )
-        action = np.broadcast_to(actions, shape)
-        wanted = goal - things[:, None, 2 * self.eye + motor]
-        outcome = wanted - reading.straight_of(factor, context, action)
-        axes = tuple(
-            Axis(a.name, a.unit, a.low[factor : factor + 1], a.high[factor : factor + 1], a.size) for a in model.axes
-        )
-        values = (*(c[..., None] for c in context), action[..., None], outcome[..., None])
-        likelihood = interpolate(model.predictive[factor : factor + 1], axes, values)[..., 0]
-        inside = axes[-1].soft(outcome[..., None]).inside[..., 0]
+        action = np.broadcast_to(actions[:, None], shape)
+        wanted = goal - things[:, None, None, 2 * self.eye + motor]
+        outcome = wanted - pilot.straight(context, action, mine)
+        axes = tuple(Axis(a.name, a.unit, a.low[mine], a.high[mine], a.size) for a in model.axes)
+        likelihood = interpolate(model.predictive[mine], axes, (*context, action, outcome))[..., 0]
+        inside = axes[-1].soft(outcome).inside[..., 0]
         after = posture[:, None, motor] + actions
-        within = (after >= self.reach.low[motor] - 1e-9) & (after <= self.reach.high[motor] + 1e-9)
+        within = (after >= pilot.reach.low[motor] - 1e-9) & (after <= pilot.reach.high[motor] + 1e-9)
         posterior = action_posterior(np.where(inside, likelihood, 0.0), within / np.maximum(within.sum(-1), 1)[:, None])
-        possible = np.where(within, np.abs(outcome), np.inf).argmin(-1)
+        possible = np.where(within, np.abs(outcome[..., 0]), np.inf).argmin(-1)
         return posterior, actions[possible]

@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from babbling.regression import regress
 from imitation.errors import ImitationError
 from imitation.filters.kalman import Belief, Filtered, System, constant_velocity, predict, smooth, update
 
 DEGREE = 4
 """Of the polynomial in pan and tilt: a head that turns by 30 degrees hides and shows parts of its features."""
 OUTLIER = 4.0
-"""Residuals beyond so many standard deviations are left out of the second fit."""
+"""Residuals beyond so many standard deviations are left out of the next fit."""
 GATE = 12.0
 """Squared deviations beyond which a number is not explained by the believed pose."""
 LEAST_NUMBERS = 4
@@ -59,18 +60,10 @@ class Appearance:
         low, high = postures.min(0), postures.max(0)
         scale = np.maximum(np.abs(np.stack([low, high])).max(0), 1e-3)
         terms = _terms(postures / scale)
-        count = numbers.shape[1]
-        coefficients, noise = np.zeros((count, terms.shape[1])), np.full(count, np.inf)
-        for m in range(count):
-            use = np.isfinite(numbers[:, m])
-            for _ in range(3):
-                if use.sum() < 3 * terms.shape[1]:
-                    break
-                coefficients[m] = np.linalg.lstsq(terms[use], numbers[use, m], rcond=None)[0]
-                rest = numbers[:, m] - terms @ coefficients[m]
-                freedom = use.sum() - terms.shape[1]
-                noise[m] = max(np.sqrt(np.nansum(rest[use] ** 2) / freedom), 1e-3)
-                use = np.isfinite(rest) & (np.abs(rest) < OUTLIER * noise[m])
+        fit = regress(terms[:, None], numbers[..., None], outlier=OUTLIER, rounds=3)
+        often = fit.samples >= 3 * terms.shape[1]
+        coefficients = np.where(often[:, None], fit.coefficients[:, 0], 0.0)
+        noise = np.where(often, np.maximum(fit.noise[:, 0], 1e-3), np.inf)
         if np.isfinite(noise).sum() < LEAST_NUMBERS:
             raise ImitationError(
                 f"of {len(postures)} mirrored postures too few showed a feature of the face to learn what it looks "

@@ -63,7 +63,7 @@ def test_one_portion_or_many_internal_ones(monkeypatch: pytest.MonkeyPatch) -> N
     whole, parts = model(), model()
     whole.observe([v], a, w)
     monkeypatch.setattr("babbling.forward_model._CHUNK", 7)
-    monkeypatch.setattr("babbling.linear_gaussian._CHUNK", 5)
+    monkeypatch.setattr("babbling.regression._CHUNK", 5)
     parts.observe([v], a, w)
     assert (whole.counts == parts.counts).all()
     assert (whole.moments.sums == parts.moments.sums).all()

@@ -7,7 +7,7 @@ from babbling.errors import BabblingError
 from babbling.looking import Reach, copy_terms, pilot_looking, saccades
 from babbling.looking_storage import load_looking, save_looking
 from babbling.loop import babble, explore, flat
-from babbling.sight import LookingMind, Sight
+from babbling.sight import LookingMind
 from imitation.gaze.fixation import Fixation
 
 FOCAL, HALF = 138.6, np.array([79.5, 59.5])
@@ -65,15 +65,15 @@ def mind() -> LookingMind:
 
 def test_predicts_unseen_saccades_of_both_motors_better_than_least_squares(mind: LookingMind) -> None:
     body = GeometricHead(seed=9, noise=0.0)
-    stream = saccades(REACH, mind.pilot.efference, body.copies, np.random.default_rng(5), together=True)
+    stream = saccades(REACH, mind.pilot.schema, body.copies, np.random.default_rng(5), together=True)
     before, motors, after = flat(*explore(body, stream, 20))
     retina = mind.pilot.retina
     was, now = retina.things(before), retina.things(after)
     posture = np.repeat(before[:, None, :2], was.shape[1], 1)
-    change = np.repeat(mind.pilot.efference.postures(motors)[:, None], was.shape[1], 1) - posture
+    change = np.repeat(mind.pilot.schema.efference(motors)[:, None], was.shape[1], 1) - posture
     error = {}
     for table in (True, False):
-        away = np.hypot(*np.moveaxis(mind.sight.expect(was, posture, change, table=table) - now, -1, 0)[:2])
+        away = np.hypot(*np.moveaxis(mind.expect(was, posture, change, table=table) - now, -1, 0)[:2])
         error[table] = away[np.isfinite(away)].mean()
     assert error[True] <= 0.3
     assert error[True] <= error[False]
@@ -87,10 +87,8 @@ def test_one_saccade_of_equation_one_brings_a_thing_to_the_middle(mind: LookingM
     target = central.argmax(1)
     use = central.any(1)
     every = np.arange(body.copies)
-    saccade = Fixation(mind.sight, REACH).choose(
-        np.nan_to_num(things[every, target]), senses[:, :2], np.random.default_rng(0)
-    )
-    after = mind.pilot.retina.things(body.act(mind.pilot.efference.motors(senses[:, :2] + saccade.change)))
+    saccade = Fixation(mind).choose(np.nan_to_num(things[every, target]), senses[:, :2], np.random.default_rng(0))
+    after = mind.pilot.retina.things(body.act(mind.pilot.schema.motors(senses[:, :2] + saccade.change)))
     away = np.hypot(*after[every, target, :2].T)[use]
     assert not saccade.uninformed[use].any()
     assert away.max() < 0.8
@@ -107,10 +105,7 @@ def test_a_mind_survives_its_file(mind: LookingMind, tmp_path) -> None:  # type:
     again = load_looking(tmp_path / "eyes.nc")
     np.testing.assert_array_equal(again.forward_model.counts, mind.forward_model.counts)
     things, posture, change = np.array([[10.0, -5.0, 2.0, -5.0]]), np.zeros((1, 2)), np.array([[0.2, -0.1]])
-    np.testing.assert_array_equal(
-        Sight(again.reading, again.forward_model).expect(things, posture, change),
-        mind.sight.expect(things, posture, change),
-    )
+    np.testing.assert_array_equal(again.expect(things, posture, change), mind.expect(things, posture, change))
 
 
 def test_damaged_and_foreign_files_are_refused(mind: LookingMind, tmp_path) -> None:  # type: ignore[no-untyped-def]
@@ -125,6 +120,46 @@ def test_damaged_and_foreign_files_are_refused(mind: LookingMind, tmp_path) -> N
     stranger.fingerprint = "other"  # type: ignore[misc]
     with pytest.raises(BabblingError, match="another body"):
         mind.check(stranger)
+
+
+class CarriedHead(GeometricHead):
+    """Its neck stands on a waist that turns too: three motors, on crossed sense lines."""
+
+    motor_low, motor_high = -np.ones(3), np.ones(3)
+
+    def __init__(self, **more: object) -> None:
+        super().__init__(**more)  # type: ignore[arg-type]
+        self.sense_low, self.sense_high = np.append(-1.0, self.sense_low), np.append(1.0, self.sense_high)
+        self.angles = np.zeros((self.copies, 3))
+
+    def reset(self) -> np.ndarray:
+        return self.act(np.zeros((self.copies, 3)))
+
+    def act(self, motors: np.ndarray) -> np.ndarray:
+        self.angles = motors * (0.9, 0.8, 0.7)
+        self.posture = np.stack([self.angles[:, 0] + self.angles[:, 1], self.angles[:, 2]], axis=1)
+        return np.concatenate([self.angles[:, [2, 0, 1]], self._see()[:, 2:]], axis=1)
+
+
+def test_three_motors_are_found_and_chained(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("babbling.looking.GRID", (5, 5, 3, 7, 21))
+    reach = Reach(np.full(3, -0.25), np.full(3, 0.25), np.full(3, 0.25))
+    body = CarriedHead()
+    found = pilot_looking(body, reach, 0)
+    assert found.schema.posture.tolist() == [1, 2, 0]
+    np.testing.assert_allclose(found.schema.slope, (0.9, 0.8, 0.7), rtol=1e-6)
+    mind = LookingMind(found, babble(body, found, (20,) * 4, 0), 1.0)
+    assert [axis.name for axis in mind.forward_model.contexts] == ["u", "v", "other 0", "other 1"]
+    judge = CarriedHead(seed=9, noise=0.0)
+    stream = saccades(reach, found.schema, judge.copies, np.random.default_rng(5), together=True)
+    before, motors, after = flat(*explore(judge, stream, 10))
+    was, now = found.retina.things(before), found.retina.things(after)
+    posture = np.repeat(before[:, None, found.schema.posture], was.shape[1], 1)
+    change = np.repeat(found.schema.efference(motors)[:, None], was.shape[1], 1) - posture
+    away = np.hypot(*np.moveaxis(mind.expect(was, posture, change) - now, -1, 0)[:2])
+    assert np.nanmedian(away) < 0.4
+    moved = np.hypot(*np.moveaxis(was - now, -1, 0)[:2])
+    assert np.nanmedian(moved) > 15
 
 
 def test_nothing_to_look_at_is_said(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -74,6 +74,15 @@ def test_longer_looks_are_better() -> None:
     assert np.linalg.norm(long - true, axis=-1).mean() < np.linalg.norm(short - true, axis=-1).mean()
 
 
+def test_doubt_is_the_noise_and_what_is_not_known_yet() -> None:
+    """At least the seeing noise, and less beyond it the more was seen: six times as much halves it and more."""
+    experience = babbled(12.0, 3.0)
+    short, long = image(experience.first(2.0)), image(experience)
+    for number, part in enumerate(PARTS):
+        unknown = [one.doubt[:, number] / one.images[part].noise ** 2 - 1 for one in (short, long)]
+        assert (unknown[0] > 0).all() and unknown[1].mean() < unknown[0].mean() / 3
+
+
 def test_slopes_are_derivatives() -> None:
     one = image(babbled(3.0)).images["left_fore"]
     q = np.random.default_rng(5).uniform(-1, 1, (20, 5))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from babbling.axes import FloatArray
 from babbling.dynamics import fit_dynamics
 from babbling.errors import BabblingError
-from babbling.pilot import pilot
+from babbling.pilot import pilot, wire
 from babbling.schema import find_schema, mutual_information, resolution
 
 TICK = 0.02
@@ -92,6 +92,41 @@ def test_too_few_senses() -> None:
     motors, senses = rng.random((50, 4, 3)), rng.random((50, 4, 2))
     with pytest.raises(BabblingError, match="3 motors but only 2 senses"):
         find_schema(motors, senses, senses, np.zeros(2), np.ones(2), TICK)
+
+
+def test_no_two_motors_share_a_sense() -> None:
+    """Sense 0 tells most about both motors; each motor gets a sense of its own all the same."""
+    rng = np.random.default_rng(0)
+    motors = rng.uniform(-1, 1, (60, 8, 2))
+    first = motors[..., 0] + 1.2 * motors[..., 1]
+    second = motors[..., 1] + 0.7 * rng.standard_normal((60, 8))
+    senses = np.stack([first, second], -1)
+    found = find_schema(motors, senses, senses[:1], np.full(2, -4.0), np.full(2, 4.0), 1.0)
+    assert found.information[1].argmax() == 0, "by itself motor 1 would take sense 0 too"
+    assert found.posture.tolist() == [0, 1]
+
+
+def test_where_nothing_tells_of_rates_the_schema_has_none_and_a_servo_cannot_be_learned() -> None:
+    plant = Plant(0, motors=3)
+    still = plant.sense_of(np.arange(3))
+
+    class Numb:
+        copies, tick_s, fingerprint = plant.copies, plant.tick_s, "numb"
+        motor_low, motor_high = plant.motor_low, plant.motor_high
+        sense_low, sense_high = plant.sense_low[still], plant.sense_high[still]
+
+        def reset(self) -> FloatArray:
+            return plant.reset()[:, still]
+
+        def act(self, motors: FloatArray) -> FloatArray:
+            return plant.act(motors)[:, still]
+
+    schema, ticks = wire(Numb(), iter(np.random.default_rng(0).uniform(-1, 1, (400, plant.copies, 3))))
+    servo = np.argsort(plant.drives)
+    np.testing.assert_array_equal(schema.posture, servo)
+    assert not len(schema.rate) and not len(schema.rate_noise) and ticks == 500
+    with pytest.raises(BabblingError, match="3 motors but only 3 senses"):
+        pilot(Numb(), 0)
 
 
 def test_information_of_independent_and_of_identical_things() -> None:

@@ -1,0 +1,242 @@
+"""Bayesian linear regression kept as additive sums: the one place where lines are fitted, whatever they are lines of.
+
+Law (conjugate Gaussian; Bishop 2006, section 3.3), for features x and targets y with noise covariance S:
+
+    y = W x + e,  e ~ N(0, S),  rows of W ~ N(0, s^2 / ridge I)   gives   A = sum x x^T + ridge I,  W = sum y x^T A^-1,
+    cov(row of W) = s^2 A^-1,   s^2 = misfit / (N - gamma),   gamma = X - ridge tr A^-1
+
+gamma counts the weights that experience determined; without a ridge it is X and W is least squares. Where the prior is
+known in its own units, W ~ N(0, I / prior), ridge = prior s^2, and that s^2 is where the evidence P(y | x, s^2) is
+greatest (MacKay 1992). All it needs are the second moments of z = (x, y), which add over experience.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babbling.axes import FloatArray, IntArray
+from babbling.errors import BabblingError
+
+SCALE = 1 << 15
+_CHUNK = 1 << 16  # rows per exact float64 product: 2^16 rows x 2^30 < 2^53
+ROUNDING = 1e-12
+"""Least ridge, relative to each feature's own square: what rounding leaves of features that say the same twice."""
+NOISE_ROUNDS = 4
+BoolArray = NDArray[np.bool_]
+
+
+class LinearFit(NamedTuple):
+    """Posterior of the weights of F factors with X features and Y targets."""
+
+    coefficients: FloatArray
+    """(F, Y, X) posterior mean W; where the first feature is 1, intercept first."""
+    covariance: FloatArray
+    """(F, Y, Y) mean product of the residuals (and of the ridge's share): S at its greatest likelihood."""
+    precision: FloatArray
+    """(F, X, X) A: the weights of target y have posterior covariance noise[y]^2 A^-1."""
+    samples: IntArray
+    """(F,) N."""
+    ridge: float
+    """Prior precision in units of the noise's."""
+
+    @property
+    def noise(self) -> FloatArray:
+        """(F, Y) standard deviation s of each target; infinite with no more samples than weights and no ridge."""
+        free = (self.samples - self.coefficients.shape[-1])[:, None] + 0.0
+        misfit = np.diagonal(self.covariance, axis1=1, axis2=2) * self.samples[:, None]
+        if self.ridge:
+            undetermined = self.ridge * np.trace(np.linalg.inv(self.precision), axis1=1, axis2=2)
+            free = np.maximum(free + undetermined[:, None], 1.0)
+            misfit = misfit - self.ridge * (self.coefficients**2).sum(-1)
+        return np.asarray(np.sqrt(np.where(free > 0, np.maximum(misfit, 0) / np.maximum(free, 1), np.inf)))
+
+    def predict(self, *x: NDArray[np.float64]) -> FloatArray:
+        """(..., F, Y) means for inputs of shape (..., F) each, where the features are 1 and the inputs."""
+        mean = self.coefficients[..., 0] + np.zeros((*np.shape(x[0]), 1))
+        for i, value in enumerate(x):
+            mean = mean + self.coefficients[..., i + 1] * np.asarray(value)[..., None]
+        return mean
+
+    def mean(self, features: FloatArray) -> FloatArray:
+        """(..., F, Y) means for features (..., F or 1, X)."""
+        return np.asarray((self.coefficients @ features[..., None])[..., 0])
+
+    def doubt(self, features: FloatArray) -> FloatArray:
+        """(N, F) x^T A^-1 x for features (N, F, X): a mean's variance in units of the noise's."""
+        x = np.moveaxis(features, 0, -1)
+        return np.asarray((x * np.linalg.solve(self.precision, x)).sum(1).T)
+
+
+Term = Callable[[Mapping[str, FloatArray]], FloatArray]
+"""A feature made of channels by name, each cut to its range and scaled to -1 .. 1; it stays within -1 .. 1 itself."""
+
+
+@dataclass
+class LinearGaussian:
+    """Second moments of named channels for F factors: exact, so merging (adding `sums`) is the same in any order.
+
+    Values are kept as integers, 2^-15 of a channel's half range; any channels and terms can be targets and inputs.
+    """
+
+    channels: tuple[str, ...]
+    centre: FloatArray
+    """(F, C) middle of each channel's range."""
+    half: FloatArray
+    """(F, C) half of each channel's range; values beyond it are cut."""
+    sums: IntArray
+    """(F, Z, Z) sums of z z^T in fixed point, z = (1, channels, terms)."""
+    terms: Mapping[str, Term] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def empty(
+        cls, channels: tuple[str, ...], low: FloatArray, high: FloatArray, terms: Mapping[str, Term] | None = None
+    ) -> "LinearGaussian":
+        """No experience yet; ranges `low`, `high` are (F, C)."""
+        terms = MappingProxyType(dict(terms or {}))
+        size = 1 + len(channels) + len(terms)
+        return cls(channels, (low + high) / 2, (high - low) / 2, np.zeros((len(low), size, size), np.int64), terms)
+
+    @property
+    def samples(self) -> IntArray:
+        """(F,) how many transitions were seen."""
+        return self.sums[:, 0, 0] // SCALE**2
+
+    def observe(self, values: FloatArray, keep: BoolArray) -> None:
+        """Add (N, F, C) values; rows where `keep` (N, F) is False are left out."""
+        ones = np.full((*keep.shape, 1), float(SCALE))
+        z = np.concatenate([ones, (values - self.centre) * (SCALE / self.half)], axis=-1)
+        np.clip(z, -SCALE, SCALE, out=z)
+        if self.terms:
+            scaled = dict(zip(self.channels, np.moveaxis(z[..., 1:] / SCALE, -1, 0), strict=True))
+            made = np.stack([term(scaled) for term in self.terms.values()], axis=-1)
+            z = np.concatenate([z, np.clip(made * SCALE, -SCALE, SCALE)], axis=-1)
+        np.rint(z, out=z)
+        if not keep.all():
+            z *= keep[..., None]
+        _add(self.sums, z)
+
+    def fit(self, targets: Sequence[str], inputs: Sequence[str], ridge: float = 1e-9) -> LinearFit:
+        """Posterior of `targets` on 1 and `inputs`, in the channels' own units; `ridge` for each sample and half range.
+
+        Raises:
+            BabblingError: a factor without experience.
+        """
+        if (self.samples <= len(inputs) + 1).any():
+            raise BabblingError(f"factor {int(np.argmin(self.samples))} has no experience to fit a line to")
+        names = (*self.channels, *self.terms)
+        order = [0, *(1 + names.index(c) for c in (*inputs, *targets))]
+        moments = (self.sums / (self.sums[:, :1, :1].astype(float)))[:, order][:, :, order]
+        extra = np.zeros((len(self.half), len(self.terms)))
+        centre, half = np.hstack([self.centre, extra]), np.hstack([self.half, extra + 1])
+        one = np.ones((len(half), 1))
+        centre, half = np.hstack([0 * one, centre])[:, order], np.hstack([one, half])[:, order]
+        size = 1 + len(inputs)
+        fit = _posterior(moments, size, self.samples, np.full((1, size), ridge), centre, half, 0.0)
+        floor = (half[:, size:] / SCALE) ** 2  # fixed point cannot see less
+        diagonal = np.arange(len(targets))
+        fit.covariance[:, diagonal, diagonal] = np.maximum(fit.covariance[:, diagonal, diagonal], floor)
+        return fit
+
+
+class Regression:
+    """The same for features whose ranges nobody knows: sums of (F or 1, X) features and (F, Y) targets as real numbers.
+
+    sums: (F, X + Y, X + Y); samples: (F,). Both add.
+    """
+
+    def __init__(self, factors: int, features: int, targets: int) -> None:
+        self.features = features
+        self.sums, self.samples = np.zeros((factors, *2 * (features + targets,))), np.zeros(factors, np.int64)
+
+    def observe(self, x: FloatArray, y: FloatArray, keep: BoolArray | None = None) -> None:
+        """Add (N, F or 1, X) features and (N, F, Y) targets; rows where `keep` (N, F) is False are left out."""
+        z = np.concatenate([np.broadcast_to(x, (*y.shape[:2], self.features)), y], axis=-1)
+        if keep is not None:
+            z[~keep] = 0
+        self.samples += len(z) if keep is None else keep.sum(0)
+        _add(self.sums, z)
+
+    def fit(self, ridge: float = 0.0) -> LinearFit:
+        """Posterior with this prior precision, in units of the noise's; 0 is least squares."""
+        moments = self.sums / np.maximum(self.samples, 1)[:, None, None]
+        size = np.sqrt(np.diagonal(moments, axis1=1, axis2=2))
+        size = np.where(size > 0, size, 1.0)
+        own = ridge / (np.maximum(self.samples, 1)[:, None] * size[:, : self.features] ** 2)
+        moments = moments / (size[:, :, None] * size[:, None, :])
+        return _posterior(moments, self.features, self.samples, own + ROUNDING, 0 * size, size, ridge)
+
+    def fit_with_noise(self, prior: float = 1.0, least: float = 1e-9) -> tuple[LinearFit, float]:
+        """Posterior where W ~ N(0, I / prior), and the noise variance, all targets alike, by evidence; `least` of it.
+
+        Weights and noise in turn, from a noise of a thousandth of the targets.
+        """
+        squares = np.diagonal(self.sums, axis1=1, axis2=2)[:, self.features :]
+        variance = 1e-3 * float((squares / self.samples[:, None]).mean())
+        for _ in range(NOISE_ROUNDS):
+            fit = self.fit(prior * max(variance, least))
+            variance = max(float((fit.noise**2).mean()), least)
+        return fit, variance
+
+
+def regress(
+    x: FloatArray, y: FloatArray, *, keep: BoolArray | None = None, outlier: float = np.inf, rounds: int = 1
+) -> LinearFit:
+    """Least squares on rows that are at hand, every factor on those of its rows that are finite.
+
+    Args:
+        x: (N, F or 1, X) features.
+        y: (N, F, Y) targets.
+        keep: (N, F) rows that may be used at all.
+        outlier: rows that a round misses by more than so many standard deviations are left out of the next one.
+        rounds: how often is fitted.
+    """
+    used = usable = np.isfinite(x.sum(-1) + y.sum(-1)) & (True if keep is None else keep)
+    for _ in range(rounds):
+        sums = Regression(y.shape[1], x.shape[-1], y.shape[2])
+        sums.observe(x, y, used)
+        fit = sums.fit()
+        miss = y - fit.mean(x)
+        rest = np.where(
+            used[..., None], miss, 0.0
+        )  # of the rows themselves: sums lose a small rest beside large targets
+        fit = fit._replace(covariance=np.einsum("nfi,nfj->fij", rest, rest) / np.maximum(fit.samples, 1)[:, None, None])
+        used = usable & np.all(np.abs(miss) <= outlier * fit.noise, axis=-1)
+    return fit
+
+
+def _add(sums: NDArray[np.float64] | IntArray, z: FloatArray) -> None:
+    """Add z z^T of (N, F, Z) rows; exact where z holds whole numbers up to `SCALE`."""
+    for start in range(0, len(z), _CHUNK):
+        part = np.ascontiguousarray(z[start : start + _CHUNK].transpose(1, 2, 0))
+        sums += (part @ part.transpose(0, 2, 1)).astype(sums.dtype)
+
+
+def _posterior(
+    moments: FloatArray,
+    size: int,
+    samples: IntArray,
+    ridge: FloatArray,
+    centre: FloatArray,
+    half: FloatArray,
+    own: float,
+) -> LinearFit:
+    """Posterior from (F, Z, Z) mean moments of (z - centre) / half, features first; a centre needs a constant feature.
+
+    `ridge` (F or 1, X) is what stands on the diagonal, `own` the prior precision in the features' own units.
+    """
+    xx, xy, yy = moments[:, :size, :size], moments[:, :size, size:], moments[:, size:, size:]
+    xx = xx + ridge[:, :, None] * np.eye(size)
+    beta = np.linalg.solve(xx, xy)  # (F, X, Y) in normalised units
+    half_x, half_y = half[:, :size], half[:, size:]
+    slopes = (beta * half_y[:, None, :] / half_x[:, :, None]).transpose(0, 2, 1)
+    slopes[..., 0] += centre[:, size:] - (slopes[..., 1:] * centre[:, None, 1:size]).sum(-1)
+    covariance = (yy - xy.transpose(0, 2, 1) @ beta) * half_y[:, :, None] * half_y[:, None, :]
+    precision = xx * half_x[:, :, None] * half_x[:, None, :] * samples[:, None, None]
+    middle = np.concatenate([np.zeros((len(half), 1)), centre[:, 1:size]], axis=1)
+    precision += middle[:, :, None] * precision[:, :1]
+    precision += precision[:, :, :1] * middle[:, None, :]
+    return LinearFit(slopes, covariance, precision, samples, own)
