@@ -9,7 +9,6 @@ PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; 
 VENV := .venv
 BIN := $(VENV)/bin
 PACKAGES := models babbling imitation experiments
-LIBRARIES := models babbling imitation
 
 export MUJOCO_GL := disabled
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -44,7 +43,7 @@ test: setup
 check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy --strict $(LIBRARIES)
+	$(BIN)/mypy --strict $(PACKAGES)
 
 format: setup
 	$(BIN)/ruff format .

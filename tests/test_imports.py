@@ -2,17 +2,38 @@
 
 import ast
 import sys
+from collections.abc import Collection
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+LAZY = {"experiments.__main__", "experiments.registry"}
+"""Who may import modules of the project inside a function: help must not wait for physics."""
 NUMBERS = {"numpy", "scipy", "xarray", "h5netcdf", "h5py"}
 MAY_IMPORT = {
     "models": NUMBERS | {"mujoco", "dm_control", "pinocchio"},
     "babbling": NUMBERS,
     "imitation": NUMBERS | {"babbling"},
 }
+
+
+def modules() -> dict[str, Path]:
+    """Every module of the project, by name."""
+    files = (file for package in [*MAY_IMPORT, "experiments"] for file in (ROOT / package).rglob("*.py"))
+    return {".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file for file in files}
+
+
+def imported_modules(tree: ast.AST, known: Collection[str]) -> set[str]:
+    """Modules of the project that are imported anywhere below a node, for types alone too."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            whole = {f"{node.module}.{alias.name}" for alias in node.names}
+            names |= whole | {str(node.module)}
+    return names & set(known)
 
 
 def imported(file: Path) -> set[str]:
@@ -42,3 +63,14 @@ def test_physics_stays_in_models() -> None:
     physics = MAY_IMPORT["models"] - NUMBERS
     for file in sorted((ROOT / "experiments").rglob("*.py")):
         assert imported(file) & physics == set(), file.relative_to(ROOT)
+
+
+def test_modules_are_imported_at_the_top() -> None:
+    known = modules()
+    inside = {
+        name
+        for name, file in known.items()
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.FunctionDef) and imported_modules(node, known)
+    }
+    assert inside <= LAZY

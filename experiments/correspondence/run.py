@@ -149,7 +149,7 @@ def learning_curve(
 ) -> NDArray[np.float64]:
     """(K, 3) minutes, and error on the shown demonstration with clean and noisy eyes; NaN where organs stay unknown."""
     row = rows.get(config.shown) or next(iter(rows.values()))
-    points = []
+    points: list[list[float]] = []
     for minutes in config.mirror_minutes * 0.5 ** np.arange(CURVE_POINTS)[::-1]:
         point = [0.0]
         for one, noise in ((experience, 0.0), (blurry, config.seeing_noise_deg)):
