@@ -9,7 +9,7 @@ from models.errors import unknown
 from models.motion.trajectory import JointTrajectory
 from models.teachers import robots
 from models.teachers.anatomy import perform
-from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
+from models.teachers.performance import PARTS, Performance, TeacherError
 
 Array = NDArray[np.float64]
 RATE_HZ = 50.0
@@ -29,23 +29,23 @@ def joints_of(robot: str, part: str) -> tuple[str, ...]:
     """
     if part not in PARTS:
         raise TeacherError(unknown("body part", part, PARTS))
-    body, model = robots.ROBOTS[robot], robots.load(robot)
+    teacher = robots.load(robot)
+    model, places = teacher.model, {**teacher.carriers, **teacher.landmarks}
     side, _, name = part.partition("_")
-    letter = {"left": body.left, "right": body.right}.get(side, "") if side in SIDES else ""
 
-    def above(joint: str, *, itself: bool = True) -> set[int]:
-        number = model.getJointId(joint.format(s=letter))
+    def above(landmark: str, *, itself: bool = True) -> set[int]:
+        number = places[landmark if landmark in places else f"{side}_{landmark}"]
         ids = set(model.supports[number]) - {0}
         return ids if itself else ids - {number}
 
-    torso, pelvis = above(body.torso), above(body.pelvis)
+    torso, pelvis = above("torso"), above("pelvis")
     own = {
-        "upper_arm": lambda: above(body.elbow, itself=False) - torso - pelvis,
-        "forearm": lambda: above(body.wrist, itself=False) - above(body.elbow, itself=False),
-        "thigh": lambda: above(body.knee, itself=False) - torso - pelvis,
-        "shank": lambda: above(body.knee) - above(body.knee, itself=False),
-        "foot": lambda: above(body.foot) - above(body.knee),
-    }.get(name, lambda: above(body.head) - torso - pelvis if part == "head" else torso ^ pelvis)()
+        "upper_arm": lambda: above("elbow", itself=False) - torso - pelvis,
+        "forearm": lambda: above("wrist", itself=False) - above("elbow", itself=False),
+        "thigh": lambda: above("knee", itself=False) - torso - pelvis,
+        "shank": lambda: above("knee") - above("knee", itself=False),
+        "foot": lambda: above("foot") - above("knee"),
+    }.get(name, lambda: above("head") - torso - pelvis if part == "head" else torso ^ pelvis)()
     own = {joint for joint in own if model.joints[joint].nq == 1}
     if not own:
         raise TeacherError(f"teacher {robot}: no joint moves its {part} alone")
@@ -72,7 +72,8 @@ def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
         TeacherError: see `joints_of`; or no act of that part turns it by LEAST.
     """
     own = joints_of(robot, part)
-    limits = robots.limits(robot)
+    teacher = robots.load(robot)
+    limits = teacher.limits
     names = tuple(limits)
     low, high = np.clip(np.array([limits[name] for name in names]), -WIDEST, WIDEST).T
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
@@ -81,17 +82,17 @@ def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
     share = np.clip((np.arange(2 * hold + act) - hold + 1) / act, 0, 1)
     way = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
     time = np.arange(len(way)) / RATE_HZ
-    reference = robots.reference(robot)
+    reference = teacher.reference
     for _ in range(ATTEMPTS):
         start = low + (high - low) * rng.random(len(names))
         start *= 0.5  # an everyday posture, not a contortion
         end = start.copy()
         end[columns] = (low + (high - low) * rng.random(len(names)))[columns]
         ends = JointTrajectory("act", np.arange(3.0), names, np.stack([start, start, end]))
-        seen = perform("act", robot, ends.time, robots.motion(robot, robots.postures(robot, ends)), reference)
+        seen = perform("act", robot, ends.time, teacher.motion(teacher.postures(ends)), reference)
         if seen.directions[part][0] @ seen.directions[part][2] > np.cos(LEAST):
             continue
         trajectory = JointTrajectory(f"{robot} moves its {part}", time, names, start + way * (end - start))
-        motion = robots.motion(robot, robots.postures(robot, trajectory))
+        motion = teacher.motion(teacher.postures(trajectory))
         return perform(trajectory.name, robot, time, motion, reference)
     raise TeacherError(f"teacher {robot}: no act of its {part} was found that turns it by 15 degrees")

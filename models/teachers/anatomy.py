@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from models.teachers.performance import SIDES, Performance, unit, upright_frame
+from models.teachers.performance import PARTS, SIDES, Performance, unit, upright_frame
 
 Array = NDArray[np.float64]
 ENDS: dict[str, tuple[str, str]] = {
@@ -29,16 +29,14 @@ CARRIED: dict[str, tuple[str, int]] = {
     "right_foot": ("right_foot", 0),
 }
 """Part -> body that carries it and which of forward, left, up in the reference posture it is."""
-BODIES = ("torso", "pelvis", "head", "left_foot", "right_foot")
-LANDMARKS = tuple(f"{side}_{name}" for side in SIDES for name in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle"))
 
 
 @dataclass(frozen=True, eq=False)
 class BodyPoses:
     """Poses of the bodies that matter through time.
 
-    rotations: each of BODIES -> (T, 3, 3) rotation in the world.
-    positions: each of LANDMARKS, and of BODIES -> (T, 3) metres in the world (z up).
+    rotations: torso, pelvis, head, left_foot, right_foot, as far as it has them -> (T, 3, 3) rotation in the world.
+    positions: landmarks (left_shoulder, ...) and these bodies -> (T, 3) metres in the world (z up).
     """
 
     rotations: Mapping[str, Array]
@@ -46,46 +44,60 @@ class BodyPoses:
 
 
 def upright(at: Mapping[str, Array]) -> Array:
-    """Forward, left and up, as columns (3, 3), of a teacher that stands upright with its LANDMARKS at (3,) each."""
-    left = at["left_shoulder"] - at["right_shoulder"]
-    up = at["left_hip"] + at["right_hip"] - at["left_ankle"] - at["right_ankle"]
-    return upright_frame(left, up)
+    """Forward, left and up, as columns (3, 3), of a teacher that stands upright with its landmarks at (3,) each.
+
+    Left from the right shoulder (or hip) to the left one, up from the ankles to the hips, or the world's z where there
+    are no legs; the world's own axes where landmarks do not tell.
+    """
+    for root in ("shoulder", "hip"):
+        if all(f"{side}_{root}" in at for side in SIDES):
+            legs = [at[f"{s}_hip"] - at[f"{s}_ankle"] for s in SIDES if f"{s}_hip" in at and f"{s}_ankle" in at]
+            up = np.sum(legs, axis=0) if legs else np.array([0.0, 0.0, 1.0])
+            return upright_frame(at[f"left_{root}"] - at[f"right_{root}"], up)
+    return np.eye(3)
 
 
 def perform(name: str, teacher: str, time: Array, motion: BodyPoses, reference: BodyPoses) -> Performance:
-    """What is seen of a teacher whose bodies move like `motion` and that stands upright in frame 0 of `reference`."""
+    """What is seen of a teacher whose bodies move like `motion` and that stands upright in frame 0 of `reference`.
+
+    A part both of whose ends are one point shows nothing and is left out.
+    """
     frame = upright({name: values[0] for name, values in reference.positions.items()})
-    offset = {body: reference.rotations[body][0].T @ frame for body in BODIES}
-    torso = motion.rotations["torso"] @ offset["torso"]
-
-    def in_torso(vectors: Array) -> Array:
-        return unit(np.einsum("tji,tj->ti", torso, vectors))
-
-    directions = {}
+    riding = {body: turns @ (reference.rotations[body][0].T @ frame) for body, turns in motion.rotations.items()}
+    pointing = {part: riding[body][:, :, axis] for part, (body, axis) in CARRIED.items() if body in riding}
     for side in SIDES:
         for part, (start, end) in ENDS.items():
-            span = motion.positions[f"{side}_{end}"] - motion.positions[f"{side}_{start}"]
-            directions[f"{side}_{part}"] = in_torso(span)
-    for part, (body, axis) in CARRIED.items():
-        directions[part] = in_torso((motion.rotations[body] @ offset[body])[:, :, axis])
-    points, bones = _skeleton(motion, offset)
+            if {f"{side}_{start}", f"{side}_{end}"} <= motion.positions.keys():
+                span = motion.positions[f"{side}_{end}"] - motion.positions[f"{side}_{start}"]
+                if (np.linalg.norm(span, axis=1) > 1e-6).all():
+                    pointing[f"{side}_{part}"] = span
+    seen = {part: unit(np.einsum("tji,tj->ti", riding["torso"], way)) for part, way in pointing.items()}
+    directions = {part: seen[part] for part in PARTS if part in seen}
+    points, bones = _skeleton(motion.positions, riding)
     return Performance(name, teacher, time, directions, points, bones)
 
 
-def _skeleton(motion: BodyPoses, offset: Mapping[str, Array]) -> tuple[Array, tuple[tuple[int, int], ...]]:
+def _skeleton(positions: Mapping[str, Array], riding: Mapping[str, Array]) -> tuple[Array, tuple[tuple[int, int], ...]]:
     """Points and bones of a stick figure; nose and toes are drawn where the parts' directions point."""
-    at = dict(motion.positions)
-    at["neck"] = (at["left_shoulder"] + at["right_shoulder"]) / 2
-    at["waist"] = (at["left_hip"] + at["right_hip"]) / 2
-    size = float(np.linalg.norm(at["neck"][0] - at["waist"][0]))
-    ahead = {body: (motion.rotations[body] @ offset[body]) for body in ("head", "left_foot", "right_foot")}
-    at["crown"] = at["neck"] + 0.45 * size * ahead["head"][:, :, 2]
-    at["nose"] = at["neck"] + size * (0.3 * ahead["head"][:, :, 2] + 0.2 * ahead["head"][:, :, 0])
+    at = dict(positions)
+    for middle, ends in (("neck", "shoulder"), ("waist", "hip")):
+        if {f"{side}_{ends}" for side in SIDES} <= at.keys():
+            at[middle] = (at[f"left_{ends}"] + at[f"right_{ends}"]) / 2
+    if {"neck", "waist"} <= at.keys():
+        size = float(np.linalg.norm(at["neck"][0] - at["waist"][0]))
+        if "head" in riding:
+            at["crown"] = at["neck"] + 0.45 * size * riding["head"][:, :, 2]
+            at["nose"] = at["neck"] + size * (0.3 * riding["head"][:, :, 2] + 0.2 * riding["head"][:, :, 0])
+        at |= {
+            f"{side}_toes": at[f"{side}_ankle"] + 0.3 * size * riding[f"{side}_foot"][:, :, 0]
+            for side in SIDES
+            if f"{side}_ankle" in at and f"{side}_foot" in riding
+        }
     chains: list[Sequence[str]] = [("waist", "neck", "crown", "nose")]
     for side in SIDES:
-        at[f"{side}_toes"] = at[f"{side}_ankle"] + 0.3 * size * ahead[f"{side}_foot"][:, :, 0]
         chains.append(("neck", *(f"{side}_{name}" for name in ("shoulder", "elbow", "wrist"))))
         chains.append(("waist", *(f"{side}_{name}" for name in ("hip", "knee", "ankle", "toes"))))
-    names = list(dict.fromkeys(name for chain in chains for name in chain))
-    bones = [(names.index(a), names.index(b)) for chain in chains for a, b in pairwise(chain)]
-    return np.stack([at[name] for name in names], axis=1), tuple(bones)
+    pairs = [(a, b) for chain in chains for a, b in pairwise(name for name in chain if name in at)]
+    names = list(dict.fromkeys(name for pair in pairs for name in pair))
+    bones = tuple((names.index(a), names.index(b)) for a, b in pairs)
+    return np.stack([at[name] for name in names], axis=1), bones

@@ -43,8 +43,9 @@ def joint_motion(name: str) -> JointTrajectory:
 
 def perform_motion(robot: str, trajectory: JointTrajectory, standing_on: str = "left") -> Performance:
     """What is seen of a robot of models.teachers.robots.ROBOTS that moves like this; joints not named stay at zero."""
-    moving = robots.motion(robot, robots.postures(robot, trajectory), standing_on)
-    return show(trajectory.name, robot, trajectory.time, moving, robots.reference(robot))
+    teacher = robots.load(robot)
+    moving = teacher.motion(teacher.postures(trajectory), standing_on)
+    return show(trajectory.name, robot, trajectory.time, moving, teacher.reference)
 
 
 def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tuple[Array, tuple[str, ...], Array]:

@@ -25,7 +25,7 @@ from models.retargeting import Retargeted, retarget
 from models.teachers.anatomy import BodyPoses, perform
 from models.teachers.performance import Performance
 from models.teachers.performing import joint_motion, perform_motion
-from models.teachers.robots import motion, postures, reference
+from models.teachers.robots import load
 
 COPIES = 24
 
@@ -102,7 +102,7 @@ def test_size_heading_and_walking_away_change_nothing(
     quick: None, found: dict[int | None, Pilot], scale: float
 ) -> None:
     trajectory = joint_motion("talos-salute")
-    poses, upright = motion("talos", postures("talos", trajectory)), reference("talos")
+    poses, upright = load("talos").motion(load("talos").postures(trajectory)), load("talos").reference
     count = len(trajectory.time)
     heading, way = np.linspace(1, 3, count), np.linspace(0, 5, count)[:, None] * [1.0, 0.5, 0]
     other = changed(poses, scale, heading, way)

@@ -82,7 +82,7 @@ def test_acts_say_what_cannot_be() -> None:
 
 @pytest.mark.parametrize("name", DEMONSTRATIONS)
 def test_limbs_of_a_urdf_are_found_by_name(name: str) -> None:
-    """What is read off the file's names agrees with the hand-made table of the built-in robots."""
+    """What a file's names tell alone agrees with what is told of the built-in robots beside them."""
     robot = DEMONSTRATIONS[name].robot
     path = robots.folder() / robots.ROBOTS[robot].file
     table = perform_motion(robot, joint_motion(name)).directions
@@ -131,9 +131,7 @@ def test_urdf_errors_name_what_is_missing(tmp_path: Path) -> None:
     with pytest.raises(TeacherError, match=r"no limb was found: of left_shoulder.*it has left_hip; name joints so"):
         read_urdf(path)
     path.write_text(urdf(ONE_LEG))
-    with pytest.raises(
-        TeacherError, match=r"unknown joint of toy.urdf 'left_hop_joint'.*did you mean 'left_hip_joint'"
-    ):
+    with pytest.raises(TeacherError, match=r"unknown joint of toy 'left_hop_joint'.*did you mean 'left_hip_joint'"):
         perform_urdf(path, moving("left_hop_joint"))
     path.write_text('<!DOCTYPE robot [<!ENTITY a "b">]>' + urdf(ONE_LEG))
     with pytest.raises(TeacherError, match="declares entities"):

@@ -27,7 +27,7 @@ performed = cache(perform)
 def still(robot: str, **degrees: float) -> dict[str, np.ndarray]:
     """Directions of a robot that holds still, a few joints turned."""
     angles = np.tile(np.deg2rad(list(degrees.values())), (3, 1))
-    joints = tuple(degrees) or tuple(robots.limits(robot))[:1]
+    joints = tuple(degrees) or tuple(robots.load(robot).limits)[:1]
     angles = angles if degrees else np.zeros((3, 1))
     seen = perform_motion(robot, JointTrajectory("still", np.arange(3.0), joints, angles))
     return {part: directions[0] for part, directions in seen.directions.items()}
@@ -107,14 +107,14 @@ def test_demonstrations_are_movements_like_a_persons(name: str) -> None:
 def test_demonstrations_keep_the_robots_limits(name: str) -> None:
     robot = DEMONSTRATIONS[name].robot
     if robot not in LIMITS_ONE_JOINT_OFF:
-        joint_motion(name).check_ranges(robots.limits(robot))
+        joint_motion(name).check_ranges(robots.load(robot).limits)
 
 
 @pytest.mark.parametrize("name", DEMONSTRATIONS)
 def test_the_standing_foot_stays(name: str) -> None:
     demonstration = DEMONSTRATIONS[name]
-    configurations = robots.postures(demonstration.robot, joint_motion(name))
-    poses = robots.motion(demonstration.robot, configurations, demonstration.standing_on)
+    configurations = robots.load(demonstration.robot).postures(joint_motion(name))
+    poses = robots.load(demonstration.robot).motion(configurations, demonstration.standing_on)
     foot = poses.positions[f"{demonstration.standing_on}_foot"]
     np.testing.assert_allclose(foot, foot[:1].repeat(len(foot), axis=0), atol=1e-9)
 
@@ -141,9 +141,9 @@ def test_minimum_jerk() -> None:
 def test_size_place_and_heading_do_not_matter(seed: int, size: float) -> None:
     """A teacher that is larger, turned, and turning and walking away while it acts, is seen to do the same."""
     rng = np.random.default_rng(seed)
-    configurations = robots.postures("human", joint_motion("human-raise"))[::20]
+    configurations = robots.load("human").postures(joint_motion("human-raise"))[::20]
     time = np.arange(len(configurations)) * 0.4
-    poses, reference = robots.motion("human", configurations), robots.reference("human")
+    poses, reference = robots.load("human").motion(configurations), robots.load("human").reference
     turn = Rotation.from_rotvec(np.outer(time, rng.normal(size=3)) + rng.normal(size=3)).as_matrix()
     away = np.outer(time, rng.normal(size=3)) + rng.normal(size=3)
     moved = anatomy.BodyPoses(
@@ -158,7 +158,7 @@ def test_size_place_and_heading_do_not_matter(seed: int, size: float) -> None:
 
 def test_limbs_of_other_lengths_do_not_matter() -> None:
     """Each segment stretched by a factor of its own points where it pointed."""
-    poses, reference = robots.reference("icub"), robots.reference("icub")
+    poses = reference = robots.load("icub").reference
     at = dict(poses.positions)
     for side in ("left", "right"):
         for chain, factors in ((("shoulder", "elbow", "wrist"), (0.5, 3)), (("hip", "knee", "ankle"), (2, 0.7))):
@@ -190,7 +190,7 @@ def test_unknown_demonstrations(name: str, message: str) -> None:
 
 def test_unknown_joints_and_teachers() -> None:
     trajectory = JointTrajectory("x", np.arange(3.0), ("l_elbo",), np.zeros((3, 1)))
-    with pytest.raises(TeacherError, match=r"teacher icub: unknown joint 'l_elbo'; .*did you mean 'l_elbow'"):
+    with pytest.raises(TeacherError, match=r"x: unknown joint of icub 'l_elbo'; .*did you mean 'l_elbow'"):
         perform_motion("icub", trajectory)
     with pytest.raises(TeacherError, match=r"unknown teacher 'icup'.*did you mean 'icub'"):
         perform_motion("icup", trajectory)
