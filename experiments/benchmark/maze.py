@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
-from babbling.moves import Wanderer
+from experiments.maze.mind import wanderer
 from imitation.inference.bayes import action_posterior
 from models.maze import ACTIONS, TRUE_DYNAMICS, MazeBody, default_maze
 
@@ -66,8 +66,7 @@ def _learning(rng: np.random.Generator, *, peers: bool) -> list[Row]:
     """P(outcome | action) from a million transitions, categories as whole numbers."""
     action = rng.integers(0, len(ACTIONS), (TRANSITIONS, 1))
     outcome = (rng.random((TRANSITIONS, 1)) >= np.cumsum(TRUE_DYNAMICS, 1)[action[:, 0], :-1]).sum(1)[:, None]
-    wanderer = Wanderer(MazeBody(default_maze()))
-    model = wanderer.forward_model()
+    model = wanderer(MazeBody(default_maze())).forward_model()
     model.observe((), action, outcome)
     table = model.predictive[0].copy()
     size = len(ACTIONS)
@@ -77,9 +76,9 @@ def _learning(rng: np.random.Generator, *, peers: bool) -> list[Row]:
 
     counts, floats = bare().reshape(size, size), (action.astype(float), outcome.astype(float))
     ours, count, slow = best_of(
-        lambda: wanderer.forward_model().observe((), action, outcome),
+        lambda: wanderer(MazeBody(default_maze())).forward_model().observe((), action, outcome),
         bare,
-        lambda: wanderer.forward_model().observe((), *floats),
+        lambda: wanderer(MazeBody(default_maze())).forward_model().observe((), *floats),
     )
     difference = np.abs(counts / counts.sum(1, keepdims=True) - table).max()
     found = [
@@ -94,8 +93,7 @@ def _learning(rng: np.random.Generator, *, peers: bool) -> list[Row]:
 
 def _inference(rng: np.random.Generator, *, peers: bool) -> list[Row]:
     """Ten thousand action posteriors, Eq. (1), each with its own sub-goal and prior."""
-    wanderer = Wanderer(MazeBody(default_maze()))
-    model = wanderer.forward_model()
+    model = wanderer(MazeBody(default_maze())).forward_model()
     model.add(np.rint(TRUE_DYNAMICS * 1000).astype(np.int64)[None])
     wanted, prior = rng.integers(0, 5, (POSTERIORS, 1)), rng.dirichlet(np.ones(5), (POSTERIORS, 1))
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 from babbling.axes import FloatArray
 from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
 from experiments.maze.learning import Curve
-from experiments.maze.mind import Inferred
+from experiments.maze.mind import Inferred, places_of
 from experiments.shared.figures import draw_curve
 from experiments.shared.palette import OURS
 from imitation.acting.follow import Journey
@@ -103,7 +103,7 @@ def figure_6(
     imitator = figure.add_subplot(grid[:, 3])
     _own_goal(imitator, maze, goal)
     cells = journey.states[: journey.steps[0] + 1, 0]
-    draw_walks(imitator, [np.stack([cells % maze.width + 1, cells // maze.width + 1], -1)], dashed=False, width=2.0)
+    draw_walks(imitator, [places_of(maze).place(cells)], dashed=False, width=2.0)
     end = f"{journey.steps[0]} steps" if journey.reached[0] else f"not there after {journey.steps[0]} steps"
     imitator.set_title(f"(c)  imitator ({selection}), {end}", loc="left", fontsize=11)
     return figure

@@ -1,6 +1,5 @@
 """The forward model's learning curve in the maze, against what counting can give at best."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +7,9 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel
 from babbling.loop import babble
-from babbling.moves import Wanderer
-from experiments.maze.mind import WANDERING
-from models.maze import ACTIONS, TRUE_DYNAMICS, Maze, MazeBody
-
-CHECKPOINTS = (100, 300, 1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000)
-LONGEST_OUTING = 20_000
+from experiments.maze.mind import CHECKPOINTS, WANDERING, outings, wanderer
+from experiments.shared.progress import Report
+from models.maze import TRUE_DYNAMICS, Maze, MazeBody
 
 
 @dataclass(frozen=True)
@@ -52,15 +48,7 @@ def expected_distance(truth: FloatArray, visits: FloatArray) -> FloatArray:
     return expected
 
 
-def outings(steps: int) -> tuple[int, ...]:
-    """Steps of each outing from the start: they end at the checkpoints of the learning curve."""
-    ends = sorted({c for c in CHECKPOINTS if c < steps} | set(range(LONGEST_OUTING, steps, LONGEST_OUTING)) | {steps})
-    return tuple(np.diff([0, *ends]).tolist()) if steps else ()
-
-
-def walkers(
-    maze: Maze, steps: int, seed: int, copies: int, report: Callable[[float], None]
-) -> tuple[ForwardModel, Curve]:
+def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> tuple[ForwardModel, Curve]:
     """`copies` walkers that each learn for themselves, and their learning curve.
 
     Args:
@@ -90,7 +78,7 @@ def walkers(
         rows.append((visits[tried], tv[tried]))
 
     steps_done: list[int] = []
-    model = babble(body, Wanderer(body, ACTIONS, alone=copies > 1), plan, seed, after_bout=look)
+    model = babble(body, wanderer(body, alone=copies > 1), plan, seed, after_bout=look)
     if not points:
         return model, Curve((), (), (), (), (), ())
     visits, tv, bound, spread, untried = zip(*points, strict=True)

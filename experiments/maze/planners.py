@@ -7,7 +7,7 @@ number of steps J to the goal (Bellman 1957; Watkins 1989 for Q-learning):
     J(s) = 1 + min_a sum_o P(o | a) J(lead(s, o)),     J(goal) = 0
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
 from babbling.loop import explore, flat
-from babbling.moves import Places, Wanderer
-from experiments.maze.mind import believed_tables
+from babbling.moves import Places
+from experiments.maze.mind import wanderer
+from experiments.shared.progress import Report
+from imitation.acting.follow import believed
 from models.maze import ACTIONS, Maze, MazeBody
 
 RELIABLE, PATIENCE = 0.95, 3.0
@@ -132,22 +134,20 @@ class Known:
     """(R, S, O) `Walls.lead`."""
 
 
-def wanderers(
-    maze: Maze, copies: int, budgets: Sequence[int], seed: int, report: Callable[[float], None]
-) -> Iterator[Known]:
+def wanderers(maze: Maze, copies: int, budgets: Sequence[int], seed: int, report: Report) -> Iterator[Known]:
     """What random walkers, each alone, know after each budget of steps: one walk, never put back."""
     body = MazeBody(maze, copies=copies, seed=(seed, 11))
-    wanderer, places, walls = Wanderer(body, ACTIONS, alone=True), Places.of(body), Walls(maze, copies)
-    model, stream = wanderer.forward_model(), wanderer.stream(body, np.random.default_rng([seed, 12]))
+    walker, places, walls = wanderer(body, alone=True), Places.of(body), Walls(maze, copies)
+    model, stream = walker.forward_model(), walker.stream(body, np.random.default_rng([seed, 12]))
     senses, done = body.reset(), 0
     for budget in budgets:
         while done < budget:
             motors, felt = explore(body, stream, min(5000, budget - done), onward=senses)
-            model.observe(*wanderer.reading.transitions(*flat(motors, felt)))
+            model.observe(*walker.transitions(*flat(motors, felt)))
             walls.feel(places.number(felt[..., :2]), felt[..., 2:] > 0)
             senses, done = felt[-1], done + len(motors)
             report(done / budgets[-1])
-        yield Known(believed_tables(model), walls.lead)
+        yield Known(believed(model), walls.lead)
 
 
 def replanners(
@@ -158,10 +158,10 @@ def replanners(
     The plan is improved by a few sweeps of value iteration at every step, from where it was.
     """
     body = MazeBody(maze, copies=copies, seed=(seed, 13))
-    wanderer, places, walls = Wanderer(body, ACTIONS, alone=True), Places.of(body), Walls(maze, copies)
-    model, rng = wanderer.forward_model(), np.random.default_rng([seed, 14])
+    walker, places, walls = wanderer(body, alone=True), Places.of(body), Walls(maze, copies)
+    model, rng = walker.forward_model(), np.random.default_rng([seed, 14])
     senses, value, row = body.reset(), np.zeros((copies, maze.cells)), np.arange(copies)
-    lead, transposed = walls.lead, believed_tables(model).transpose(0, 2, 1)
+    lead, transposed = walls.lead, believed(model).transpose(0, 2, 1)
     for step in range(1, budgets[-1] + 1):
         cell = places.number(body.senses.read(senses, "place"))
         if step > first:
@@ -174,14 +174,14 @@ def replanners(
             action = rng.integers(0, len(ACTIONS), copies)
         motors = action[:, None].astype(float)
         after = body.act(motors)
-        model.observe(*wanderer.reading.transitions(senses, motors, after))
+        model.observe(*walker.transitions(senses, motors, after))
         walls.feel(places.number(body.senses.read(after, "place")), body.senses.read(after, "touch") > 0)
         body.put_back(body.cell == goal)
         senses = body.feel()
         if step % 10 == 0 or step == first:
-            lead, transposed = walls.lead, believed_tables(model).transpose(0, 2, 1)
+            lead, transposed = walls.lead, believed(model).transpose(0, 2, 1)
         if step in budgets:
-            yield Known(believed_tables(model), walls.lead)
+            yield Known(believed(model), walls.lead)
 
 
 @dataclass(frozen=True, eq=False)

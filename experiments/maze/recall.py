@@ -12,12 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from babbling.moves import Wanderer
 from experiments.errors import ExperimentError
-from experiments.maze.mind import Experience, imitate
+from experiments.maze.mind import Experience, imitate, wanderer
 from imitation.acting.follow import Decisions, Journey
 from imitation.deferred import load_memory
-from models.maze import ACTIONS, Maze, MazeBody, draw, parse_maze
+from models.maze import Maze, MazeBody, draw, parse_maze
 
 
 def recall(memory_file: Path, maze: Maze) -> Experience:
@@ -27,8 +26,7 @@ def recall(memory_file: Path, maze: Maze) -> Experience:
         BabblingError: a file that is no memory, or one of another maze.
     """
     memory = load_memory(memory_file, goals=len(maze.goals), states=maze.cells)
-    empty = Wanderer(MazeBody(maze), ACTIONS).forward_model()
-    return Experience(maze, memory.recall_onto(empty), memory.episodes)
+    return Experience(maze, memory.recall_onto(wanderer(MazeBody(maze)).forward_model()), memory.episodes)
 
 
 def in_new_process(memory_file: Path, maze: Maze, goal: int, selection: str, seed: int) -> Journey:

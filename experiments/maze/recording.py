@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray, IntArray
 from experiments.maze.drawing import GOAL_COLOURS, wall_segments
-from experiments.maze.mind import Experience, Inferred
+from experiments.maze.mind import Experience, Inferred, places_of
 from experiments.shared import views
 from experiments.shared.palette import light
 from experiments.shared.recording import recording
@@ -54,7 +54,7 @@ def record(
             stream.log(f"figures/{name}", image, static=True)
         for world in ("imitating", "watching"):
             _log_maze(stream, world, maze)
-        _log_demonstrations(stream, maze, [walk for walk in walks if walk.goal == goal])
+        _log_demonstrations(stream, [walk for walk in walks if walk.goal == goal])
         _log_imitation(stream, maze, journey, goal)
         _log_watching(stream, maze, unseen, inferred, goal_prior)
 
@@ -79,7 +79,7 @@ def _log_label(stream: rr.RecordingStream, entity: str, place: tuple[int, int], 
     stream.log(entity, label, static=True)
 
 
-def _log_demonstrations(stream: rr.RecordingStream, maze: Maze, walks: Sequence[Walk]) -> None:
+def _log_demonstrations(stream: rr.RecordingStream, walks: Sequence[Walk]) -> None:
     lines = [_raised(walk.places + offset, 0.05) for walk, offset in zip(walks, _offsets(len(walks)), strict=True)]
     stream.log("imitating/demonstrations", rr.LineStrips3D(lines, colors=[(150, 170, 190)], radii=[0.04]), static=True)
 
@@ -87,7 +87,7 @@ def _log_demonstrations(stream: rr.RecordingStream, maze: Maze, walks: Sequence[
 def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goal: int) -> None:
     steps = int(journey.steps[0])
     cells = journey.states[: steps + 1, 0]
-    places = _places(maze, cells)
+    places = places_of(maze).place(cells).astype(float)
     index = [rr.TimeColumn("step", sequence=np.arange(steps + 1))]
     x, y = maze.goals[goal - 1]
     colour = light(GOAL_COLOURS[goal - 1])
@@ -102,7 +102,7 @@ def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goa
         return
     decisions = journey.decisions
     during = [rr.TimeColumn("step", sequence=np.arange(steps))]
-    subgoal = _raised(_places(maze, decisions.subgoal[:steps, 0]), 0.1)
+    subgoal = _raised(places_of(maze).place(decisions.subgoal[:steps, 0]), 0.1)
     stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
     stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
     posterior = decisions.posterior[:steps, 0]
@@ -150,8 +150,8 @@ def _log_watching(
     stream.log("watching/goals/labels", white, static=True)
     names = [f"goal {g + 1}" for g in range(goals)]
     _log_series(stream, "goals/filter", index, belief, names, GOAL_COLOURS)
-    _log_series(stream, "goals/by_step", index[:0] or [rr.TimeColumn("step", sequence=np.arange(1, walk.steps + 1))],
-                inferred.by_step.probability, names, GOAL_COLOURS)  # fmt: skip
+    steps = [rr.TimeColumn("step", sequence=np.arange(1, walk.steps + 1))]
+    _log_series(stream, "goals/by_step", steps, inferred.by_step.probability, names, GOAL_COLOURS)
 
 
 def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray, index: list[Any]) -> None:
@@ -238,12 +238,8 @@ def _as_list(markdown: str) -> str:
     return "\n".join(lines)
 
 
-def _places(maze: Maze, cells: IntArray) -> FloatArray:
-    return np.stack([cells % maze.width + 1, cells // maze.width + 1], axis=-1).astype(float)
-
-
-def _raised(places: FloatArray, height: float) -> FloatArray:
-    return np.column_stack([places, np.full(len(places), height)])
+def _raised(where: FloatArray | IntArray, height: float) -> FloatArray:
+    return np.column_stack([where, np.full(len(where), height)])
 
 
 def _offsets(count: int) -> FloatArray:

@@ -18,7 +18,6 @@ from experiments.maze.mind import (
     UNSEEN,
     Experience,
     Inferred,
-    believed_tables,
     imitate,
     infer,
     step_likelihood,
@@ -33,7 +32,7 @@ from experiments.maze.study import study
 from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.acting.follow import Journey
+from imitation.acting.follow import Journey, believed
 from imitation.deferred import remember, save_memory
 from imitation.inference.intent import in_blocks
 from imitation.inference.priors import check_goal_prior, check_smoothing
@@ -74,7 +73,7 @@ def run(config: Config) -> Result:
         journey = imitate(experience, config.goal, config.selection, config.seed)
     unseen = unseen_walk(maze, config.seed)
     episode = watched(unseen, maze)
-    likelihood = step_likelihood(maze, believed_tables(experience.forward_model)[0], episode)
+    likelihood = step_likelihood(maze, believed(experience.forward_model)[0], episode)
     inferred, even = (
         {
             name: infer(experience.priors, episode, prior, config.smoothing, given)
@@ -88,7 +87,7 @@ def run(config: Config) -> Result:
         "figure_5": figure_5(
             maze,
             TRUE_DYNAMICS,
-            believed_tables(experience.forward_model)[0],
+            believed(experience.forward_model)[0],
             metrics["forward_model"]["counted_transitions"],
         ),
         "figure_6": figure_6(maze, experience.priors.action(), walks, journey, config.goal, config.selection),
@@ -181,7 +180,7 @@ def _metrics(
     curve: Curve | None,
 ) -> dict[str, Any]:
     model, decisions, goal = experience.forward_model, journey.decisions, config.goal
-    table = believed_tables(model)[0]
+    table = believed(model)[0]
     teacher = float(np.mean([walk.steps for walk in walks if walk.goal == goal]))
     true_goal, inferred = UNSEEN_GOAL - 1, beliefs[config.actions]
     return {

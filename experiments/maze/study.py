@@ -7,12 +7,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.maze.figures import learning_curve, trials_figure
-from experiments.maze.imitators import Imitators, Report
 from experiments.maze.learning import walkers
-from experiments.maze.mind import believed_tables, infer, junctions, step_likelihood, watched
+from experiments.maze.mind import Imitators, infer, junctions, step_likelihood, watched
 from experiments.maze.planners import PATIENCE, Q_SETTINGS, RELIABLE
 from experiments.maze.trials import trials
+from experiments.shared.progress import Report
 from experiments.shared.tables import table
+from imitation.acting.follow import believed
 from models.maze import Maze, MazeBody, demonstrate
 
 SEEDS = 150
@@ -80,7 +81,7 @@ def _intent(observers: Imitators, smoothing: float, report: Report) -> dict[str,
     body = MazeBody(maze, copies=observers.copies, seed=(observers.seed, 24))
     even, uneven = np.full(goals, 1 / goals), np.full(goals, 0.5 / max(goals - 1, 1))
     uneven[0] = 0.5 if goals > 1 else 1.0
-    crossing, tables = junctions(maze), believed_tables(observers.forward_model)
+    crossing, tables = junctions(maze), believed(observers.forward_model)
     rows: dict[str, list[float]] = {}
     entropy: dict[str, list[float]] = {}
 

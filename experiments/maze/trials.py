@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
-from experiments.maze.imitators import Imitators, Report
+from experiments.maze.mind import Imitators
 from experiments.maze.planners import (
     Q_SETTINGS,
     RELIABLE,
@@ -19,6 +19,7 @@ from experiments.maze.planners import (
     steps_to_go,
     wanderers,
 )
+from experiments.shared.progress import Report
 from models.maze import TRUE_DYNAMICS, Maze
 
 LEARNERS, EPISODES = 30, 10

@@ -6,9 +6,12 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+Report = Callable[[float], None]
+"""Is told the fraction done."""
+
 
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[float], None]]:
+def progress(label: str) -> Iterator[Report]:
     """Yields `report(fraction done)`."""
     console = Console(stderr=True)
     if not console.is_terminal:

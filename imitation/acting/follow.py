@@ -1,11 +1,12 @@
 """From sub-goal to sub-goal: imitation in discrete states by Eq. (1) (chapter, section 3.3.2).
 
-At each step: the sub-goal of the state one is in, or, pushed off the demonstrated way, the state one came from
-("backtracking over a previous step"); the forward model read backwards at that outcome; the learned prior; Eq. (1);
-one action by a selection rule. Where Eq. (1) is 0/0 the ladder of fallbacks is, each rung counted: the forward model
-alone (uniform prior), then chance.
+At each step (`Follower.step`): the sub-goal of the state one is in, or, pushed off the demonstrated way, the state one
+came from ("backtracking over a previous step"); the forward model read backwards at the outcome that leads there; the
+learned prior; Eq. (1); one action by a selection rule. Where Eq. (1) is 0/0 the ladder of fallbacks is, each rung
+counted: the forward model alone (uniform prior), then chance. What states, outcomes and contexts are is handed in.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,10 +16,22 @@ from numpy.typing import ArrayLike, NDArray
 from babbling.axes import FloatArray, IntArray
 from babbling.body import Body
 from babbling.forward_model import ForwardModel
-from babbling.moves import Places, RelativeMoves, relative_move
+from babbling.grids import interpolate
+from babbling.states import StateMap
 from imitation.errors import ImitationError
 from imitation.inference.ladder import CATEGORIES, Rung, descend
-from imitation.inference.selection import Rule, selection_rule
+from imitation.inference.selection import selection_rule
+
+
+class Way(NamedTuple):
+    """All that the next step needs, never changed."""
+
+    here: IntArray
+    """(B,) state; the goal from arrival on."""
+    came_from: IntArray
+    """(B, S) the state from which each was first entered, -1 where never: such ways back cannot form a circle."""
+    arrived: NDArray[np.bool_]
+    """(B,)."""
 
 
 class Decisions(NamedTuple):
@@ -42,6 +55,9 @@ class Decisions(NamedTuple):
     """The sub-goal was the state one came from."""
 
 
+NOTHING = Decisions._make(np.array(value) for value in (-1, -1, 0.0, 0.0, 0.0, False, False, False))
+
+
 @dataclass(frozen=True, eq=False)
 class Journey:
     """How imitations went, B copies at once; T is the step of the last arrival, or the limit."""
@@ -54,108 +70,123 @@ class Journey:
     """(B,) steps to the goal, or the limit where it was not reached."""
     reached: NDArray[np.bool_]
     """(B,) whether the goal was reached within the limit."""
+    ended: str | None = None
+    """Why it ended early, if it did."""
 
 
-def believed_likelihood(forward_model: ForwardModel, outcome: IntArray) -> FloatArray:
-    """(..., F, A) P(outcome | a) for every action; an action nobody tried says nothing: uniform over outcomes."""
-    untried = forward_model.familiarity(()) == 0
-    return np.where(untried, 1.0 / forward_model.outcome.size, forward_model.likelihood((), outcome))
+def believed(forward_model: ForwardModel) -> FloatArray:
+    """`[factor, context..., action, outcome]`: learned rows; an action nobody tried says nothing: uniform."""
+    untried = forward_model.visits[..., None] == 0
+    return np.where(untried, 1.0 / forward_model.outcome.size, forward_model.predictive)
+
+
+class Follower:
+    """Copies that go from sub-goal to sub-goal, to be driven step by step.
+
+    Args:
+        forward_model: one factor for all copies, or one per copy.
+        states: how senses are read, as when the forward model was learned.
+        successor: (S,) or (B, S) sub-goal of each state, -1 where there is none (`Route.successor`).
+        goal: (B,) or one state to end in.
+        prior: (S, A) or (B, S, A) P(a | s, g) for the goal; None is uniform everywhere.
+        copies: B.
+        selection: name of a selection rule.
+    """
+
+    def __init__(
+        self,
+        forward_model: ForwardModel,
+        states: StateMap,
+        successor: IntArray,
+        goal: ArrayLike,
+        prior: FloatArray | None = None,
+        *,
+        copies: int = 1,
+        selection: str = "map",
+    ) -> None:
+        self.forward_model, self.states, self.rule = forward_model, states, selection_rule(selection)
+        self.by_outcome = np.ascontiguousarray(np.swapaxes(believed(forward_model), -1, -2))
+        size, actions = successor.shape[-1], forward_model.action.size
+        self.successor = np.broadcast_to(successor, (copies, size))
+        self.goal = np.broadcast_to(np.asarray(goal), copies)
+        self.prior = np.broadcast_to(1.0 / actions if prior is None else prior, (copies, size, actions))
+        self.copy = np.arange(copies)
+
+    def start(self, senses: FloatArray) -> Way:
+        """Feeling (B, S); `step` is to be given it as well.
+
+        Raises:
+            ImitationError: a copy begins where no demonstration went.
+        """
+        here = self.states.number(senses)
+        lost = (self.successor[self.copy, here] < 0) & (here != self.goal)
+        if lost.any():
+            where = self.states.name(int(here[lost][0]))
+            raise ImitationError(
+                f"the imitator begins at {where}, where no demonstration went; one must pass through its start"
+            )
+        return Way(here, np.full(self.successor.shape, -1), np.zeros(len(here), bool))
+
+    def step(self, state: Way, senses: FloatArray, rng: np.random.Generator) -> tuple[Way, FloatArray, Decisions]:
+        """Feeling (B, S): where that is, the (B, 1) next actions, and why; those who arrived do not decide any more."""
+        copy, came_from = self.copy, state.came_from
+        here = np.where(state.arrived, state.here, self.states.number(senses))
+        new = (came_from[copy, here] < 0) & (here != state.here)
+        if new.any():
+            came_from = came_from.copy()
+            came_from[copy[new], here[new]] = state.here[new]
+        arrived = here == self.goal
+        ahead = self.successor[copy, here]
+        subgoal = np.where(arrived, here, np.where(ahead >= 0, ahead, came_from[copy, here]))
+        query = *self.states.context(senses), self.states.outcome(here, subgoal)
+        decided = self._decide(query, self.prior[copy, here], rng)._replace(subgoal=subgoal, backtracking=ahead < 0)
+        info = Decisions._make(np.where(arrived, no, value.T).T for value, no in zip(decided, NOTHING, strict=True))
+        return Way(here, came_from, arrived), decided.action[:, None].astype(float), info
+
+    def _decide(self, query: tuple[IntArray, ...], prior: FloatArray, rng: np.random.Generator) -> Decisions:
+        """Eq. (1) and its ladder for (B,) contexts and wanted outcome under (B, A) priors."""
+        model, size = self.forward_model, self.forward_model.action.size
+        asked = [column.reshape(-1, len(model.factors)) for column in query]
+        likelihood = interpolate(self.by_outcome, (*model.contexts, model.outcome), asked).reshape(-1, size)
+        (posterior, rung), wanted = descend(likelihood, prior, CATEGORIES), query[-1]
+        action = self.rule(posterior.probability, model.action, rng).astype(np.int64)
+        alone, chance = rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE
+        shown = posterior.probability, posterior.entropy, posterior.evidence
+        return Decisions(wanted, action, *shown, alone, chance, chance)
 
 
 def follow(
     body: Body,
-    forward_model: ForwardModel,
-    successor: IntArray,
-    goal: ArrayLike,
-    prior: FloatArray | None = None,
+    follower: Follower,
     *,
-    selection: str = "map",
     rng: np.random.Generator,
     limit: int,
+    ended: Callable[[FloatArray], str | None] = lambda senses: None,
 ) -> Journey:
-    """Every copy of the body imitates until it stands on its goal.
+    """Every copy of a body imitates, from rest, until it stands on its goal: the loop around `Follower.step`.
 
     Args:
-        body: who imitates; from rest.
-        forward_model: relative moves; one factor for all copies, or one per copy.
-        successor: (S,) or (B, S) sub-goal of each state, -1 where there is none (`SubGoals.successor`).
-        goal: (B,) or one state to end in.
-        prior: (S, A) or (B, S, A) P(a | s, g) for the goal; None is uniform everywhere.
-        selection: name of a selection rule.
+        body: who imitates.
+        follower: what it goes by.
         rng: randomness of ties, matching and chance.
         limit: most steps.
+        ended: asked with the (B, S) senses before every step; why to stop there, or None.
 
     Raises:
         ImitationError: the body begins where no demonstration went, or a limit below 1.
     """
     if limit < 1:
         raise ImitationError(f"a limit of {limit} steps; at least 1 is needed")
-    rule, copy = selection_rule(selection), np.arange(body.copies)
-    places, sense = Places.of(body), RelativeMoves().place
-    successor = np.broadcast_to(successor, (body.copies, places.size))
-    goals = np.broadcast_to(np.asarray(goal), body.copies)
-    actions = forward_model.action.size
-    priors = np.broadcast_to(1.0 / actions if prior is None else prior, (body.copies, places.size, actions))
-    here = places.number(body.reset()[:, sense])
-    _check_start(places, here, successor[copy, here], goals)
-    came_from = np.full((body.copies, places.size), -1)  # the way each state was first entered: it cannot form a circle
-    steps = np.where(here == goals, 0, -1)
-    states, log = [here], list[Decisions]()
-    while (steps < 0).any() and len(log) < limit:
-        active = steps < 0
-        ahead = successor[copy, here]
-        subgoal = np.where(active, np.where(ahead >= 0, ahead, came_from[copy, here]), here)
-        outcome = relative_move(places.place(here), places.place(subgoal))
-        decided = _decide(forward_model, outcome, priors[copy, here], rule, rng)
-        senses = body.act(decided.action[:, None].astype(float))
-        log.append(_while_active(decided._replace(subgoal=subgoal, backtracking=ahead < 0), active))
-        there = np.where(active, places.number(senses[:, sense]), here)
-        new = (came_from[copy, there] < 0) & (there != here)
-        came_from[copy[new], there[new]] = here[new]
-        here = there
-        states.append(here)
-        steps[active & (here == goals)] = len(log)
-    if not log:  # everybody begins on the goal: nothing to decide
-        outcome = np.zeros(body.copies, np.int64)
-        empty = _decide(forward_model, outcome, priors[copy, here], rule, rng)
-        decisions = Decisions._make(column[None][:0] for column in empty)
-    else:
-        decisions = Decisions._make(np.array(column) for column in zip(*log, strict=True))
-    return Journey(np.array(states), decisions, np.where(steps < 0, len(log), steps), steps >= 0)
-
-
-def _decide(
-    forward_model: ForwardModel, outcome: IntArray, prior: FloatArray, rule: Rule, rng: np.random.Generator
-) -> Decisions:
-    """Eq. (1) and its ladder for (B,) wanted outcomes under (B, A) priors."""
-    factors, size = len(forward_model.factors), forward_model.action.size
-    likelihood = believed_likelihood(forward_model, outcome.reshape(-1, factors)).reshape(len(outcome), size)
-    posterior, rung = descend(likelihood, prior, CATEGORIES)
-    action = rule(posterior.probability, forward_model.action, rng).astype(np.int64)
-    alone, chance = rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE
-    return Decisions(
-        outcome, action, posterior.probability, posterior.entropy, posterior.evidence, alone, chance, chance
-    )
-
-
-def _while_active(decided: Decisions, active: NDArray[np.bool_]) -> Decisions:
-    """Blank out the copies that have arrived."""
-    return decided._replace(
-        subgoal=np.where(active, decided.subgoal, -1),
-        action=np.where(active, decided.action, -1),
-        posterior=decided.posterior * active[:, None],
-        entropy=decided.entropy * active,
-        evidence=decided.evidence * active,
-        forward_alone=decided.forward_alone & active,
-        chance=decided.chance & active,
-        backtracking=decided.backtracking & active,
-    )
-
-
-def _check_start(places: Places, here: IntArray, ahead: IntArray, goals: IntArray) -> None:
-    lost = (ahead < 0) & (here != goals)
-    if lost.any():
-        x, y = places.place(here[lost][0])
-        raise ImitationError(
-            f"the imitator begins at ({x}, {y}), where no demonstration went; one must pass through its start"
-        )
+    senses = body.reset()
+    state, ways, log = follower.start(senses), list[tuple[IntArray, NDArray[np.bool_]]](), list[Decisions]()
+    while True:
+        why = ended(senses)
+        state, motors, decided = follower.step(state, senses, rng)
+        ways.append((state.here, state.arrived))
+        log.append(decided)
+        if state.arrived.all() or len(log) > limit or why is not None:
+            break
+        senses = body.act(motors)
+    here, arrived = (np.array(column) for column in zip(*ways, strict=True))
+    decisions = Decisions._make(np.array(column)[:-1] for column in zip(*log, strict=True))  # the last was not done
+    return Journey(here, decisions, np.where(arrived[-1], arrived.argmax(0), len(log) - 1), arrived[-1], why)

@@ -18,7 +18,7 @@ from imitation.errors import ImitationError
 
 
 @dataclass(frozen=True, eq=False)
-class SubGoals:
+class Route:
     """The next sub-goal of every state on the way to one goal."""
 
     successor: IntArray
@@ -29,7 +29,7 @@ class SubGoals:
     """The state where the demonstrations end."""
 
 
-def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> SubGoals:
+def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> Route:
     """Sub-goals from demonstrations that all end in one state; see the module.
 
     Raises:
@@ -52,4 +52,4 @@ def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> SubGoals:
         chosen = visited[better]
         remainder[chosen] = left[better]
         successor[chosen] = episode.states[last[chosen] + 1]
-    return SubGoals(successor, remainder, goal)
+    return Route(successor, remainder, goal)

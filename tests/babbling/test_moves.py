@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from babbling.errors import BabblingError
 from babbling.loop import babble, explore, flat
-from babbling.moves import DIRECTIONS, MOVES, Places, RelativeMoves, Wanderer, overridden, relative_move
+from babbling.moves import DIRECTIONS, MOVES, Places, overridden, relative_move
+from babbling.states import Wanderer
 
 
 class Plane:
@@ -66,24 +67,28 @@ def test_walls_override_what_the_model_predicts():
 
 def test_a_sure_walker_learns_the_identity_and_touch_teaches_nothing():
     body = Plane()
-    model = babble(body, Wanderer(body), (400,), 0)
+    model = babble(body, wanderer(body), (400,), 0)
     assert (model.predictive[0] == np.eye(5)).all() and model.transitions == 400
     body = Plane(touch=True)
-    assert babble(body, Wanderer(body), (50,), 0).transitions == 0
+    assert babble(body, wanderer(body), (50,), 0).transitions == 0
 
 
 def test_copies_alone_learn_what_they_would_learn_together():
     body = Plane(copies=7, slips=0.3)
-    motors, senses = explore(body, Wanderer(body).stream(body, np.random.default_rng(1)), 60)
-    together, alone = Wanderer(body), Wanderer(body, alone=True)
+    motors, senses = explore(body, wanderer(body).stream(body, np.random.default_rng(1)), 60)
+    together, alone = wanderer(body), wanderer(body, alone=True)
     one, many = together.forward_model(), alone.forward_model()
-    one.observe(*together.reading.transitions(*flat(motors, senses)))
-    many.observe(*alone.reading.transitions(*flat(motors, senses)))
+    one.observe(*together.transitions(*flat(motors, senses)))
+    many.observe(*alone.transitions(*flat(motors, senses)))
     assert (many.counts.sum(0) == one.counts[0]).all()
     first = explore_copy(motors, senses, 3)
-    single = Wanderer(Plane()).forward_model()
-    single.observe(*RelativeMoves().transitions(*first))
+    single = wanderer(Plane()).forward_model()
+    single.observe(*together.transitions(*first))
     assert (many.counts[3] == single.counts[0]).all()
+
+
+def wanderer(body, **how):
+    return Wanderer(body, Places.of(body), MOVES, **how)
 
 
 def explore_copy(motors, senses, copy):
@@ -92,7 +97,7 @@ def explore_copy(motors, senses, copy):
 
 def test_onward_goes_on_where_the_body_is():
     body = Plane()
-    stream = Wanderer(body).stream(body, np.random.default_rng(2))
+    stream = wanderer(body).stream(body, np.random.default_rng(2))
     _, first = explore(body, stream, 5)
     _, second = explore(body, stream, 5, onward=first[-1])
     assert (second[0] == first[-1]).all()
@@ -102,5 +107,5 @@ def test_onward_goes_on_where_the_body_is():
 def test_a_wanderer_needs_single_acts():
     body = Plane()
     with pytest.raises(BabblingError, match="one motor with 3 choices"):
-        Wanderer(body, ("a", "b", "c"))
-    assert Wanderer(body).forward_model().action.labels == MOVES
+        Wanderer(body, Places.of(body), ("a", "b", "c"))
+    assert wanderer(body).forward_model().action.labels == MOVES

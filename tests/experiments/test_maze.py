@@ -9,9 +9,18 @@ import pytest
 
 from experiments.__main__ import main
 from experiments.benchmark.maze import rows
-from experiments.maze.imitators import Imitators
-from experiments.maze.learning import CHECKPOINTS, expected_distance, outings, walkers
-from experiments.maze.mind import UNSEEN, infer, junctions, step_likelihood, teach, watched
+from experiments.maze.learning import expected_distance, walkers
+from experiments.maze.mind import (
+    CHECKPOINTS,
+    UNSEEN,
+    Imitators,
+    infer,
+    junctions,
+    outings,
+    step_likelihood,
+    teach,
+    watched,
+)
 from experiments.maze.planners import (
     Q_SETTINGS,
     QLearners,

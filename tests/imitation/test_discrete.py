@@ -1,5 +1,7 @@
 """Imitation in discrete states: priors by counting, sub-goals that never circle, the follower, memory as a file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,8 +10,9 @@ from hypothesis import strategies as st
 
 from babbling.errors import BabblingError
 from babbling.loop import babble
-from babbling.moves import DIRECTIONS, Wanderer
-from imitation.acting.follow import follow
+from babbling.moves import DIRECTIONS, MOVES, Places
+from babbling.states import Wanderer
+from imitation.acting.follow import Follower, follow
 from imitation.acting.subgoals import acyclic_subgoals
 from imitation.deferred import FORMAT, load_memory, remember, save_memory
 from imitation.episodes import Episode
@@ -141,8 +144,18 @@ def test_what_is_no_goal_prior_is_refused():
             check_goal_prior(given_, 3)
 
 
+def wanderer(body, **how):
+    return Wanderer(body, Places.of(body), MOVES, **how)
+
+
 def learned(body, steps=4000, alone=False):
-    return babble(body, Wanderer(body, alone=alone), (steps,), 0)
+    return babble(body, wanderer(body, alone=alone), (steps,), 0)
+
+
+def journeys(body, model, plan, prior=None, *, seed=0, limit, selection="map"):
+    places, copies = Places.of(body), body.copies
+    follower = Follower(model, places, plan.successor, plan.goal, prior, copies=copies, selection=selection)
+    return follow(body, follower, rng=np.random.default_rng(seed), limit=limit)
 
 
 def diagonal():
@@ -159,8 +172,7 @@ def test_the_follower_arrives_in_a_noisy_world(selection, alone):
     model = learned(body, 2000, alone)
     prior = ActionPriors.learned([episode], 1, STATES, 5).action()[0]
     plan = acyclic_subgoals([episode], STATES)
-    rng = np.random.default_rng(0)
-    journey = follow(body, model, plan.successor, plan.goal, prior, selection=selection, rng=rng, limit=400)
+    journey = journeys(body, model, plan, prior, selection=selection, limit=400)
     assert journey.reached.all() and journey.steps.min() >= 8
     steps, decisions = journey.steps, journey.decisions
     assert (journey.states[steps, np.arange(40)] == plan.goal).all()
@@ -178,7 +190,7 @@ def test_each_decision_is_eq_1():
     model = learned(body)
     prior = ActionPriors.learned([episode], 1, STATES, 5).action(0.5)[0]
     plan = acyclic_subgoals([episode], STATES)
-    journey = follow(body, model, plan.successor, plan.goal, prior, rng=np.random.default_rng(0), limit=400)
+    journey = journeys(body, model, plan, prior, limit=400)
     for t in range(journey.steps[0]):
         here, target = journey.states[t, 0], journey.decisions.subgoal[t, 0]
         outcome = next(
@@ -193,13 +205,13 @@ def test_each_decision_is_eq_1():
 
 def test_with_nothing_learned_the_prior_alone_decides_and_without_it_chance():
     body, episode = Field(), diagonal()
-    empty, plan = Wanderer(body).forward_model(), acyclic_subgoals([episode], STATES)
+    empty, plan = wanderer(body).forward_model(), acyclic_subgoals([episode], STATES)
     prior = ActionPriors.learned([episode], 1, STATES, 5).action()[0]
-    journey = follow(body, empty, plan.successor, plan.goal, prior, rng=np.random.default_rng(0), limit=100)
+    journey = journeys(body, empty, plan, prior, limit=100)
     assert journey.reached.all() and journey.steps[0] == 8, "a sure body repeats what it saw"
-    stuck = Wanderer(body).forward_model()  # has only ever seen itself stay, so no action explains a move
+    stuck = wanderer(body).forward_model()  # has only ever seen itself stay, so no action explains a move
     stuck.observe([], np.arange(5)[:, None], np.full((5, 1), 4))
-    journey = follow(body, stuck, plan.successor, plan.goal, prior, rng=np.random.default_rng(0), limit=50)
+    journey = journeys(body, stuck, plan, prior, limit=50)
     assert journey.decisions.chance.sum() == journey.steps[0]
     np.testing.assert_allclose(journey.decisions.posterior.sum(-1), 1, atol=1e-12)
 
@@ -208,8 +220,8 @@ def test_the_same_seed_gives_the_same_journey_and_ties_are_broken_by_it():
     def way(seed):
         body, episode = Field(30, slips=0.2, seed=1), diagonal()
         plan = acyclic_subgoals([episode], STATES)
-        empty = Wanderer(body).forward_model()
-        return follow(body, empty, plan.successor, plan.goal, rng=np.random.default_rng(seed), limit=60).states
+        empty = wanderer(body).forward_model()
+        return journeys(body, empty, plan, seed=seed, limit=60).states
 
     assert np.array_equal(way(0), way(0))
     assert not np.array_equal(way(0), way(1)), "a uniform posterior is all ties"
@@ -219,8 +231,8 @@ def test_a_start_that_was_never_shown_is_refused():
     body = Field()
     plan = acyclic_subgoals([Episode(0, np.array([30, 31]), np.array([1]))], STATES)
     with pytest.raises(ImitationError, match=r"begins at \(1, 1\), where no demonstration went"):
-        follow(body, learned(body, 50), plan.successor, plan.goal, rng=np.random.default_rng(0), limit=10)
-    here = follow(body, learned(body, 50), plan.successor, 0, rng=np.random.default_rng(0), limit=10)
+        journeys(body, learned(body, 50), plan, limit=10)
+    here = journeys(body, learned(body, 50), replace(plan, goal=0), limit=10)
     assert here.reached.all() and here.steps.tolist() == [0] and here.decisions.action.shape == (0, 1)
 
 
@@ -238,7 +250,7 @@ def test_a_memory_survives_its_file(tmp_path):
     model, episodes = learned(body), [diagonal(), diagonal()]
     save_memory(remember(model, episodes), tmp_path / "memory.nc")
     memory = load_memory(tmp_path / "memory.nc", goals=1, states=STATES)
-    again = memory.recall_onto(Wanderer(body).forward_model())
+    again = memory.recall_onto(wanderer(body).forward_model())
     assert (again.counts == model.counts).all() and again.transitions == model.transitions
     assert (again.predictive == model.predictive).all()
     for one, two in zip(episodes, memory.episodes, strict=True):
@@ -247,7 +259,7 @@ def test_a_memory_survives_its_file(tmp_path):
     other = Field()
     other.fingerprint = "another"
     with pytest.raises(ImitationError, match="belongs to body field, not to another"):
-        memory.recall_onto(Wanderer(other).forward_model())
+        memory.recall_onto(wanderer(other).forward_model())
 
 
 def test_strangers_memories_are_checked(tmp_path):
