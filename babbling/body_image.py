@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
 from babbling.errors import BabblingError
@@ -62,10 +63,9 @@ class PartImage:
 
 
 @dataclass(frozen=True)
-class BodyImage:
-    """All parts, and how they came about."""
+class Image:
+    """Where all parts of a body of F posture senses point, learned or known, and the postures one may take."""
 
-    organs: Organs
     images: Mapping[str, PartImage]
     low: FloatArray
     """(F,) least reading of the posture senses."""
@@ -74,22 +74,34 @@ class BodyImage:
     rest: FloatArray
     """(F,) posture it rests in: comfortable."""
     library: FloatArray
-    """(K, F) postures that were babbled, to choose from: the discrete actions of Eq. (1)."""
+    """(K, F) postures to choose from: the discrete actions of Eq. (1)."""
     doubt: FloatArray
     """(K, P) variance of each part's direction in these postures, rad^2: noise, and what is not known yet."""
-    minutes: float
-    """Body time in front of the mirror."""
 
     @property
     def parts(self) -> tuple[str, ...]:
         """P names."""
-        return self.organs.parts
+        return tuple(self.images)
+
+    @property
+    def moves(self) -> NDArray[np.bool_]:
+        """(P, F) which sense moves which part, as far as its image goes."""
+        return np.array([np.isin(np.arange(len(self.low)), one.joints) for one in self.images.values()])
 
     def expected(self, postures: FloatArray) -> FloatArray:
         """(N, P, 3) unit vectors that should be seen at (N, F) postures."""
-        found = np.stack([self.images[part].expected(postures) for part in self.parts], 1)
+        found = np.stack([one.expected(postures) for one in self.images.values()], 1)
         unit: FloatArray = found / np.linalg.norm(found, axis=-1, keepdims=True)
         return unit
+
+
+@dataclass(frozen=True)
+class BodyImage(Image):
+    """An image learned in front of a mirror, from postures that were babbled, and how it came about."""
+
+    organs: Organs
+    minutes: float
+    """Body time in front of the mirror."""
 
 
 LIBRARY = 200
@@ -121,7 +133,7 @@ def learn_image(
         order = np.argsort(-told, kind="stable")
         joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
         images[part], doubt[:, number] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2, library)
-    return BodyImage(organs, MappingProxyType(images), low, high, rest.copy(), library, doubt, experience.minutes)
+    return BodyImage(MappingProxyType(images), low, high, rest.copy(), library, doubt, organs, experience.minutes)
 
 
 def _learned(

@@ -84,7 +84,5 @@ def _image(dataset: xr.Dataset) -> BodyImage:
             raise ValueError(f"the {part} is moved by senses that do not exist")
         weights = array(f"{part}_weights", 3**count, 3).reshape(*(3,) * count, 3)
         images[part] = PartImage(joints, array(f"{part}_centre", count), weights, float(array(f"{part}_noise")))
-    return BodyImage(
-        Organs(model, array("information", len(parts), factors)), images, minutes=float(dataset.attrs["minutes"]),
-        **tables,
-    )  # fmt: skip
+    organs = Organs(model, array("information", len(parts), factors))
+    return BodyImage(images, organs=organs, minutes=float(dataset.attrs["minutes"]), **tables)

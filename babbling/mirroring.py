@@ -33,6 +33,13 @@ ENDS = 0.045
 CYCLE_S = LEAP_S + HOLD_S + ACTS * (ACT_S + HOLD_S)
 
 
+def angles_between(first: FloatArray, second: FloatArray) -> FloatArray:
+    """(...) radians between (..., 3) unit vectors; exact for small ones too."""
+    away = np.linalg.norm(first - second, axis=-1)
+    angles: FloatArray = 2 * np.arcsin(np.clip(away / 2, 0, 1))
+    return angles
+
+
 class Mirror(Protocol):
     """What a mirror shows."""
 

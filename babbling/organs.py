@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from babbling.axes import Axis, FloatArray, IntArray
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
-from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience
+from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience, angles_between
 
 EDGES_DEG = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
 """Amounts between two of these fall into one category; half a logarithmic step is about what acts differ by anyway."""
@@ -90,8 +90,7 @@ def turned(before: FloatArray, after: FloatArray) -> FloatArray:
     first, second = before.mean(0), after.mean(0)
     first = first / np.linalg.norm(first, axis=-1, keepdims=True)
     second = second / np.linalg.norm(second, axis=-1, keepdims=True)
-    angle: FloatArray = 2 * np.arcsin(np.clip(np.linalg.norm(first - second, axis=-1) / 2, 0, 1))
-    return angle
+    return angles_between(first, second)
 
 
 def empty_amounts(parts: tuple[str, ...], factors: int) -> ForwardModel:

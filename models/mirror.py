@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.robots import limbs_of
-from models.teachers.performance import PARTS, unit
+from models.teachers.performance import unit
 
 Array = NDArray[np.float64]
 TORSO = "torso"
@@ -30,9 +30,8 @@ class Mirror:
     """
 
     def __init__(self, body: SimulatedBody, noise: float = 0.0, seed: int = 0) -> None:
-        limbs = limbs_of(body.name, body.joints).values()
-        segments = {segment.part: segment for limb in limbs for segment in limb.segments}
-        self.parts = tuple(part for part in PARTS if part in segments)
+        limbs = limbs_of(body.name, body.joints)
+        self.parts = tuple(limbs)
         self.noise = noise
         self._body, self._data = body, mujoco.MjData(body.model)
         self._rng = np.random.default_rng([seed, 0x3177])
@@ -40,8 +39,8 @@ class Mirror:
         if TORSO not in bodies:
             raise BodyError(f"{body.name}: directions are seen from a torso, and no body of it is called {TORSO!r}")
         self._torso = bodies[TORSO]
-        self._carriers = [int(body.model.joint(segments[part].joint).bodyid[0]) for part in self.parts]
-        self._axes = np.array([segments[part].axis for part in self.parts], dtype=float)
+        self._carriers = [int(body.model.joint(limbs[part].joint).bodyid[0]) for part in self.parts]
+        self._axes = np.array([limbs[part].axis for part in self.parts], dtype=float)
 
     def look(self) -> Array:
         """(B, P, 3) unit vectors of all parts of all copies as they stand now, with noise."""

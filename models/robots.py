@@ -12,7 +12,7 @@ from models import biclops, hoap2
 from models.biclops.facts import CAMERA_HEIGHT, MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S, PAN_HEIGHT
 from models.errors import BodyError, unknown
 from models.hoap2.facts import WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
-from models.hoap2.limbs import LIMBS, Limb
+from models.hoap2.limbs import SEGMENTS, Segment
 from models.hoap2.make_stand import TORSO_HEIGHT
 from models.wear import Wear
 
@@ -56,8 +56,8 @@ class Robot:
     """<sensor> elements of its MJCF that it feels, besides its joints."""
     head: Head | None = None
     """None for a robot without eyes."""
-    limbs: Mapping[str, Limb] = field(default_factory=dict)
-    """Limbs whose directions can be shown to it: by a teacher, in a mirror."""
+    limbs: Mapping[str, Segment] = field(default_factory=dict)
+    """Parts of limbs whose directions can be shown to it: by a teacher, in a mirror."""
     babbles: Literal["joints", "eyes"] = "joints"
     """What its babbling is about: its joints, or what its movements do to what it sees."""
 
@@ -74,7 +74,7 @@ _HOAP2 = Robot(
         rest=(0.0, 0.16),
         tilt=(-0.24, 0.62),  # its neck bends only 15 degrees up
     ),
-    limbs=LIMBS,
+    limbs=SEGMENTS,
 )
 ROBOTS: Mapping[str, Robot] = MappingProxyType(
     {
@@ -127,7 +127,7 @@ def head_of(robot: str) -> Head:
     return heads[robot]
 
 
-def limbs_of(name: str, joints: Iterable[str]) -> Mapping[str, Limb]:
+def limbs_of(name: str, joints: Iterable[str]) -> Mapping[str, Segment]:
     """The limbs whose directions can be shown to a body with these joints, registered or out of a file.
 
     Raises:
@@ -135,7 +135,7 @@ def limbs_of(name: str, joints: Iterable[str]) -> Mapping[str, Limb]:
     """
     have = set(joints)
     for limbs in (one.limbs for one in ROBOTS.values() if one.limbs):
-        if have >= {joint for limb in limbs.values() for joint in limb.joints}:
+        if have >= {segment.joint for segment in limbs.values()}:
             return limbs
     fit = ", ".join(robot for robot, one in ROBOTS.items() if one.limbs)
     raise BodyError(f"{name}: limb directions can be shown to {fit} only")

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.body_image import BodyImage
+from babbling.mirroring import angles_between
 from babbling.pilot import Pilot
-from experiments.shared.judging import degrees_between
 from experiments.shared.mirrors import angles_of
 from imitation.correspondence.organ import identify
 from imitation.correspondence.tries import try_again
@@ -58,6 +58,6 @@ def act_study(
             eye = blurred(wanted, noise / 3, rng)  # it holds still at the end: ten frames make one good look
             tried = try_again(image, organ.part, eye, image.rest, look, tries, rng)
             shows = mirror.shown(angles_of(tried, body, found))[:, organ.part]
-            errors.append(degrees_between(shows, np.broadcast_to(wanted, shows.shape)))
-    table = np.array(errors).reshape(-1, tries + 1)
+            errors.append(angles_between(shows, wanted))
+    table = np.rad2deg(errors).reshape(-1, tries + 1)
     return Acts(image.parts, np.array(truth), np.array(said), table)

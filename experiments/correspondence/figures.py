@@ -48,7 +48,7 @@ def teachers(done: Studied) -> Figure:
     figure = Figure(figsize=(10, 0.55 * len(names) + 2.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     place = np.arange(len(names))
-    oracle = np.array([row.error_deg(None) for row in done.rows.values()])
+    oracle = np.array([row.error_deg(row.oracle) for row in done.rows.values()])
     clean = np.array([row.error_deg(row.clean) for row in done.rows.values()])
     noisy = np.array([row.error_deg(row.noisy) for row in done.rows.values()])
     left.barh(place - 0.2, oracle, 0.38, color=GREY, label="inverse kinematics")
@@ -72,7 +72,7 @@ def learning_curve(done: Studied) -> Figure:
     minutes, clean, noisy = done.curve.T
     axis.plot(minutes, np.maximum(clean, 1e-3), "o-", color=BLUE, label="clean eyes")
     axis.plot(minutes, noisy, "o-", color=ORANGE, label=f"{done.config.seeing_noise_deg:g} deg of noise")
-    axis.axhline(done.shown.error_deg(None), color=GREY, ls="--", label="inverse kinematics")
+    axis.axhline(done.shown.error_deg(done.shown.oracle), color=GREY, ls="--", label="inverse kinematics")
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.set_xticks(minutes, [f"{m:.2g}" for m in minutes])

@@ -77,10 +77,10 @@ def _log_world(stream: rr.RecordingStream, done: Studied) -> None:
 def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
     """Arrows over either head, arms above legs, left beside right: the state that both bodies share."""
     tick, row = done.body.tick_s, done.shown
-    places = {"imitator": (row.clean.directions, 0.0, IMITATED), "teacher": (row.clean.teacher, BESIDE, DEMONSTRATED)}
+    places = {"imitator": (row.clean.shown, 0.0, IMITATED), "teacher": (row.clean.teacher, BESIDE, DEMONSTRATED)}
     for who, (directions, aside, colour) in places.items():
         count = directions.shape[1]
-        names = row.clean.sub_goals.parts
+        names = row.clean.found.parts
         upper = np.array([not name.endswith(("thigh", "shank", "foot")) for name in names], float)
         side = np.array([name.startswith("left_") - float(name.startswith("right_")) for name in names])
         origin = np.stack([np.zeros(count), aside + 0.11 * side, 0.68 + 0.2 * upper], 1)
@@ -94,7 +94,7 @@ def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
 
 def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
     tick, row = done.body.tick_s, done.shown
-    goals, names = row.clean.sub_goals, (*done.image.parts, "nothing")
+    goals, names = row.clean.found, (*done.image.parts, "nothing")
     window = round(WINDOW_S / tick)
     seen = np.full((len(goals.wanted), len(done.image.parts), 3), np.nan)
     rng = np.random.default_rng([done.config.seed, 18])
@@ -115,7 +115,5 @@ def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
         series = np.concatenate([np.zeros(window), probability[:, place]])
         log_series(stream, f"organ/probability/{names[place]}", series, tick, names[place], colour)
     for label, who, colour in (("clean eyes", row.clean, IMITATED), ("noisy eyes", row.noisy, DEMONSTRATED)):
-        error = np.mean(list(who.error_deg.values()), axis=0)
-        log_series(stream, f"error/{label.split()[0]}", error, tick, f"learned, {label}", colour)
-    oracle = np.mean(list(row.oracle.error_deg.values()), axis=0)
-    log_series(stream, "error/oracle", oracle, tick, "inverse kinematics", REPLAYED)
+        log_series(stream, f"error/{label.split()[0]}", who.error_deg.mean(1), tick, f"learned, {label}", colour)
+    log_series(stream, "error/oracle", row.oracle.error_deg.mean(1), tick, "inverse kinematics", REPLAYED)

@@ -20,12 +20,12 @@ from experiments.correspondence.recording import record
 from experiments.shared import minds
 from experiments.shared.experiment import Result
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.mirrors import Eyes, image_of, look_into_mirror, through_mirror
 from experiments.shared.options import BodyOptions
+from experiments.shared.oracle import Retargeted, retarget
 from experiments.shared.progress import progress
 from models.body import SimulatedBody
 from models.mirror import blurred
-from models.retargeting import Retargeted, retarget
 from models.teachers.performance import Performance
 from models.teachers.performing import perform
 
@@ -40,14 +40,12 @@ class Row:
 
     performance: Performance
     oracle: Retargeted
-    clean: Corresponded
-    noisy: Corresponded
+    clean: Retargeted
+    noisy: Retargeted
 
-    def error_deg(self, who: Corresponded | None) -> float:
-        """Mean over the parts and frames that inverse kinematics can reach; of the oracle itself for None."""
-        error = self.oracle.error_deg if who is None else who.error_deg
-        values = np.concatenate([error[part][self.oracle.reachable[part]] for part in self.oracle.error_deg])
-        return float(values.mean()) if len(values) else 0.0
+    def error_deg(self, who: Retargeted) -> float:
+        """Mean over the parts and frames that inverse kinematics can reach."""
+        return who.mean_error_deg(self.oracle.found.reachable)
 
 
 @dataclass(frozen=True)
@@ -107,13 +105,11 @@ def run(config: Config) -> Result:
     rng = np.random.default_rng([config.seed, 14])
     rows = {}
     for name, performance in performances.items():
-        oracle = retarget(performance, body.tick_s)
-        frames = len(oracle.trajectory.time)
         rows[name] = Row(
             performance,
-            oracle,
-            through_mirror(image, body, found, performance, frames, 0.0, rng),
-            through_mirror(noisy_image, body, found, performance, frames, noisy.noise_deg, rng),
+            retarget(performance, body.tick_s),
+            through_mirror(image, body, found, performance, 0.0, rng),
+            through_mirror(noisy_image, body, found, performance, noisy.noise_deg, rng),
         )
     curve = learning_curve(config, options, found, experience, blurry, body, rows)
     hidden = hide_parts(noisy_image, body, found, rows, noisy.noise_deg, rng)
@@ -160,8 +156,7 @@ def learning_curve(
             try:
                 image = image_of(part, options, found)
                 rng = np.random.default_rng([config.seed, 16])
-                frames = len(row.oracle.trajectory.time)
-                point.append(row.error_deg(through_mirror(image, body, found, row.performance, frames, noise, rng)))
+                point.append(row.error_deg(through_mirror(image, body, found, row.performance, noise, rng)))
             except BabblingError:
                 point.append(np.nan)
         if len(point) == 3:
@@ -180,7 +175,7 @@ def hide_parts(
     """In every demonstration the part that turns most within a second is hidden for just that second."""
     results = []
     for name, row in rows.items():
-        teacher, parts = row.noisy.teacher, row.noisy.sub_goals.parts
+        teacher, parts = row.noisy.teacher, row.noisy.found.parts
         ticks = round(HIDDEN_S / body.tick_s)
         if len(teacher) < ticks + 20:
             continue
@@ -188,14 +183,10 @@ def hide_parts(
         start, part = np.unravel_index(int(turned.argmax()), turned.shape)
         away = np.zeros(len(teacher), bool)
         away[start + 5 : start + 5 + ticks] = True
-        found_now = through_mirror(
-            image, body, found, row.performance, len(teacher), noise_deg, rng, {parts[int(part)]: away}
-        )
+        found_now = through_mirror(image, body, found, row.performance, noise_deg, rng, {parts[int(part)]: away})
         pace = np.abs(np.diff(found_now.angles, axis=0)).max() / body.tick_s
-        before = float(np.mean(list(row.noisy.error_deg.values())))
-        results.append(
-            Hidden(name, parts[int(part)], float(np.mean(list(found_now.error_deg.values()))), before, float(pace))
-        )
+        before, after = float(row.noisy.error_deg.mean()), float(found_now.error_deg.mean())
+        results.append(Hidden(name, parts[int(part)], after, before, float(pace)))
     return results
 
 
@@ -210,13 +201,13 @@ def measure(
 ) -> dict[str, Any]:
     """The numbers of metrics.json."""
     speeds = [np.abs(np.diff(who.angles, axis=0)) / body.tick_s for r in rows.values() for who in (r.clean, r.noisy)]
-    per_frame = [1e3 * who.sub_goals.seconds / len(who.angles) for r in rows.values() for who in (r.clean, r.noisy)]
+    per_frame = [1e3 * who.found.seconds / len(who.angles) for r in rows.values() for who in (r.clean, r.noisy)]
     table = {
         name: {
-            "ik_deg": row.error_deg(None),
+            "ik_deg": row.error_deg(row.oracle),
             "learned_deg": row.error_deg(row.clean),
             "learned_noisy_deg": row.error_deg(row.noisy),
-            "unreachable_frames": int(sum((~reach).sum() for reach in row.oracle.reachable.values())),
+            "unreachable_frames": int((~row.oracle.found.reachable).sum()),
             "frames": len(row.clean.angles),
             "speed_q999": max(float(np.quantile(np.abs(np.diff(who.angles, axis=0)), 0.999)) / body.tick_s
                               for who in (row.clean, row.noisy)),

@@ -46,8 +46,7 @@ def run(config: Config) -> Result:
             image, cost = take_image(config.body_image, config, mind.pilot, eyes, report)
         learned.metrics.update(cost)
         eye = np.random.default_rng([config.seed, 10])
-        frames = len(seen.angles)
-        through = through_mirror(image, body, mind.pilot, seen.performance, frames, config.seeing_noise_deg, eye)
+        through = through_mirror(image, body, mind.pilot, seen.performance, config.seeing_noise_deg, eye)
         seen = seen_in_mirror(seen, through, body)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     attempts = imitate(
@@ -114,8 +113,8 @@ def measure(
         "body_schema_correct_share": float(right),
         "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
         "habit_mean": float(learned.mind.temper.habit.mean()),
-        **retarget_metrics(seen),
-        **correspondence_metrics(seen.corresponded, seen.retargeted, body.tick_s),
+        **retarget_metrics(seen.oracle),
+        **correspondence_metrics(seen.learned, seen.oracle, body.tick_s),
         **learned.metrics,
         **curve_metrics(learned),
     }
@@ -145,7 +144,7 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
             f"{metrics['retarget_error_deg']:.2f} deg",
         ),
     ]
-    if seen.corresponded is not None:
+    if seen.learned is not None:
         both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"
         rows.append(("limb directions off where they can be reached: learned / inverse kinematics", both))
     rows += [

@@ -32,12 +32,6 @@ def rmse_deg(reached: FloatArray, wanted: FloatArray) -> float:
     return float(np.rad2deg(np.sqrt(np.mean(away**2))))
 
 
-def degrees_between(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Angles between unit vectors along the last axis; exact for small ones too."""
-    away = np.linalg.norm(first - second, axis=-1)
-    return np.asarray(np.rad2deg(2 * np.arcsin(np.clip(away / 2, 0, 1))))
-
-
 def interval_95(hits: int, count: int) -> tuple[float, float]:
     """Exact 95 % interval of a share (Clopper and Pearson 1934)."""
     found = binomtest(hits, count).proportion_ci(0.95, "exact")

@@ -1,26 +1,23 @@
 """Watching: a demonstration, by name or from a file, becomes a movement in the imitator's own senses."""
 
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from experiments.shared.oracle import Retargeted, retarget
 from imitation.acting.movement import Movement
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.hoap2.facts import JOINTS
 from models.motion import FORMATS, JointTrajectory, read_motion
-from models.retargeting import Retargeted, retarget
 from models.robots import limbs_of
 from models.teachers.performance import Performance
 from models.teachers.performing import perform
 from models.teachers.urdf import perform_urdf, read_urdf, remarks
-
-if TYPE_CHECKING:
-    from experiments.shared.mirrors import Corresponded
 
 
 @dataclass(frozen=True)
@@ -32,8 +29,9 @@ class Seen:
     """(T, J) demonstrated joint angles in the body's own order, rad."""
     performance: Performance | None
     """The teacher as it was seen; None when joint angles were given directly."""
-    retargeted: Retargeted | None
-    corresponded: "Corresponded | None" = None
+    oracle: Retargeted | None
+    """What inverse kinematics makes of the teacher; None when joint angles were given directly."""
+    learned: Retargeted | None = None
     """What the learned correspondence made of it; None where inverse kinematics or joint angles were taken."""
     remarks: tuple[str, ...] = ()
     """What of a teacher did not correspond or was missing, a line each."""
@@ -54,17 +52,22 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
         raise BodyError(f"--motion {motion}: only a robot's .urdf performs a motion, {demonstration!r} is none")
     if suffix in FORMATS:
         ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
-        trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints)
-        return _seen(trajectory, body, None, None)
+        trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints).resampled(body.tick_s)
+        return Seen(_felt(trajectory, body), trajectory.angles, None, None)
     performance, remarks = watch_urdf(demonstration, motion) if suffix == ".urdf" else (perform(demonstration), ())
     try:
         limbs_of(body.name, body.joints)
     except BodyError as error:
         columns = f"{' or '.join(sorted(FORMATS))} with columns {', '.join(body.joints[:3])} ..."
         raise BodyError(f"{error}; give this robot joint angles ({columns})") from None
-    retargeted = retarget(performance, body.tick_s)
-    seen = _seen(retargeted.trajectory.reordered(body.joints), body, performance, retargeted)
-    return replace(seen, remarks=remarks)
+    oracle = retarget(performance, body.tick_s)
+    time = np.arange(len(oracle.angles), dtype=float) * body.tick_s
+    trajectory = JointTrajectory(performance.name, time, JOINTS, oracle.angles).reordered(body.joints)
+    return Seen(_felt(trajectory, body), trajectory.angles, performance, oracle, remarks=remarks)
+
+
+def _felt(trajectory: JointTrajectory, body: SimulatedBody) -> Movement:
+    return Movement(trajectory.name, body.tick_s, body.sensations(trajectory.angles))
 
 
 def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tuple[str, ...]]:
@@ -85,22 +88,13 @@ def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tu
     return performance, said
 
 
-def _seen(
-    trajectory: JointTrajectory, body: SimulatedBody, performance: Performance | None, retargeted: Retargeted | None
-) -> Seen:
-    even = trajectory if retargeted is not None else trajectory.resampled(body.tick_s)
-    angles = np.asarray(even.angles, float)
-    return Seen(Movement(trajectory.name, body.tick_s, body.sensations(angles)), angles, performance, retargeted)
-
-
-def retarget_metrics(seen: Seen) -> Mapping[str, Any]:
+def retarget_metrics(oracle: Retargeted | None) -> dict[str, Any]:
     """How well limb directions could be met at all; zeros when joint angles were given."""
-    r = seen.retargeted
-    if r is None:
+    if oracle is None:
         return {"retarget_error_deg": 0.0, "retarget_reachable_error_deg": 0.0, "unreachable_share": 0.0}
     return {
-        "retarget_error_deg": r.mean_error_deg,
-        "retarget_reachable_error_deg": float(np.mean(r.reachable_error_deg)),
-        "unreachable_share": r.unreachable_share,
-        "retarget_error_deg_by_part": {part: float(np.mean(e)) for part, e in r.error_deg.items()},
+        "retarget_error_deg": float(oracle.error_deg.mean()),
+        "retarget_reachable_error_deg": oracle.mean_error_deg(oracle.found.reachable),
+        "unreachable_share": float(1 - oracle.found.reachable.mean()),
+        "retarget_error_deg_by_part": oracle.error_deg_by_part,
     }

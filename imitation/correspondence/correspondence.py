@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
-from babbling.body_image import BodyImage
+from babbling.body_image import Image
+from babbling.mirroring import angles_between
 from imitation.correspondence.inversion import Chosen, LimbView, choose
 from imitation.correspondence.limbs import own_limbs
 from imitation.correspondence.smooth_path import smooth_path
@@ -24,25 +25,26 @@ from imitation.errors import ImitationError
 
 MARGIN = np.deg2rad(1.0)
 """Distance kept from the ends of the posture senses, rad."""
-IN_REACH = np.deg2rad(5.0)
+REACHABLE = np.deg2rad(5.0)
 """A direction that can be met this nearly is held while smoothing."""
 LEAST_TRUST = 0.02
 
 
 @dataclass(frozen=True)
-class SubGoals:
+class Corresponded:
     """A movement that was seen, as postures of one's own.
 
     postures: (T, F). parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. predicted:
-    (T, P', 3) directions that these postures should show. noise: (P',) seeing noise per axis, rad. chosen: limb by
-    limb, what Eq. (1) said. ignored: parts seen that one does not have. seconds: processor time
-    it took, all threads together.
+    (T, P', 3) directions that these postures should show. reachable: (T, P') whether a posture comes within REACHABLE
+    of what is wanted, time left aside. noise: (P',) seeing noise per axis, rad. chosen: limb by limb, what Eq. (1)
+    said. ignored: parts seen that one does not have. seconds: processor time it took, all threads together.
     """
 
     postures: FloatArray
     parts: tuple[str, ...]
     wanted: FloatArray
     predicted: FloatArray
+    reachable: NDArray[np.bool_]
     noise: FloatArray
     chosen: Mapping[tuple[str, ...], Chosen]
     ignored: tuple[str, ...]
@@ -50,14 +52,14 @@ class SubGoals:
 
 
 def correspond(
-    image: BodyImage,
+    image: Image,
     name: str,
     seen: Mapping[str, FloatArray],
     tick_s: float,
     speed: FloatArray,
     visible: Mapping[str, NDArray[np.bool_]] | None = None,
-) -> SubGoals:
-    """Sub-goals for a movement.
+) -> Corresponded:
+    """Postures of one's own for a movement.
 
     Args:
         image: the learned body image.
@@ -85,8 +87,9 @@ def correspond(
         part: steady(f"{name}: {part}", seen[part], (visible or {}).get(part, np.ones(count, bool))) for part in parts
     }
     postures = np.tile(image.rest, (count, 1))
+    reachable = np.zeros((count, len(parts)), bool)
     chosen: dict[tuple[str, ...], Chosen] = {}
-    for limb in own_limbs(image.organs.moves):
+    for limb in own_limbs(image.moves):
         here = [
             (part, tolerance)
             for part, tolerance in zip(limb.parts, limb.tolerances, strict=True)
@@ -103,17 +106,19 @@ def correspond(
         weights = trust * precision / precision.max()
         found = choose(view, wanted, weights, doubt)
         shown, _ = view.directions(found.angles, np.arange(count))
-        holding = (np.linalg.norm(shown - wanted, axis=-1) < IN_REACH) & (trust == 1)
+        near = angles_between(shown, wanted) < REACHABLE
+        reachable[:, [parts.index(part) for part in names]] = near
         postures[:, limb.factors] = smooth_path(
-            view, found.angles, weights, holding, doubt, speed[limb.factors], tick_s
+            view, found.angles, weights, near & (trust == 1), doubt, speed[limb.factors], tick_s
         )
         chosen[names] = found
     places = [image.parts.index(part) for part in parts]
-    return SubGoals(
+    return Corresponded(
         postures,
         parts,
         np.stack([steadied[part].directions for part in parts], 1),
         image.expected(postures)[:, places],
+        reachable,
         np.array([steadied[part].noise for part in parts]),
         chosen,
         tuple(part for part in seen if part not in image.parts),

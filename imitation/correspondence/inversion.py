@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
-from babbling.body_image import BodyImage
+from babbling.body_image import Image
 from imitation.correspondence.limbs import OwnLimb
 from imitation.inference.bayes import action_posterior
 
@@ -43,7 +43,7 @@ class Chosen(NamedTuple):
 class LimbView:
     """A limb as the body image shows it, the senses it does not decide held where they are."""
 
-    def __init__(self, image: BodyImage, limb: OwnLimb, parts: list[int], base: FloatArray, margin: float) -> None:
+    def __init__(self, image: Image, limb: OwnLimb, parts: list[int], base: FloatArray, margin: float) -> None:
         self.image, self.factors, self.base = image, limb.factors, base
         self.numbers = parts
         self.parts = [image.images[image.parts[part]] for part in parts]

@@ -2,20 +2,23 @@
 
 Over a whole movement of one limb, min over q(t) of
 
-    sum_t sum_s h_ts |direction_s(q_t) - found_ts|^2  +  m sum_t |third difference of q|^2
-                                                      +  c sum_t |speed beyond its limit|^2
+    sum_t sum_s h_ts |direction_s(q_t) - direction_s(p_t)|^2  +  m sum_t |third difference of q|^2
+                        +  PULL sum_t |q_t - p_t|^2           +  c sum_t |speed beyond its limit|^2
 
-inside the range of the senses. m makes the middle term a low-pass without delay at CUT_OFF_HZ; it also carries a limb
-smoothly through postures in which a sense changes nothing that is seen. h grows where a direction that can be shown is
-moved by more than TUBE; c grows until the speed limit holds, and what is left is cut. Gauss-Newton on a banded system.
+inside the range of the senses, p(t) the postures found. m makes the second term a low-pass without delay at CUT_OFF_HZ;
+it also carries a limb smoothly through postures in which a sense changes nothing that is seen, and PULL keeps it from
+swinging far out there. h grows where a direction that can be shown is moved by more than TUBE; c grows until the speed
+limit holds, and what is left is cut. Gauss-Newton on a banded system.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
+from scipy.ndimage import binary_dilation
 
 from babbling.axes import FloatArray
 from imitation.correspondence.inversion import LimbView
+from imitation.correspondence.steadying import third_gram
 
 CUT_OFF_HZ = 8.0
 """Limbs of humans move more slowly than this."""
@@ -23,7 +26,9 @@ TUBE, PROMISE = np.deg2rad(0.15), np.deg2rad(0.2)
 """Directions that can be shown are held as hard as it takes to stay this near; further off than PROMISE goes on."""
 SPEED_SHARE = 0.96
 """Share of the speed limit that sub-goals use."""
-REST = 1e-6
+HURRY = 5
+"""Ticks before and after a sense at its speed limit in which directions may come early or late."""
+PULL = 1e-5
 ROUNDS, STEPS = 10, 8
 
 
@@ -49,13 +54,12 @@ def smooth_path(
     tube, promise = TUBE + doubt, PROMISE + 1.5 * doubt
     angles, brake = start, 1.0
     for _ in range(ROUNDS):
-        angles = _descend(view, angles, found, hold, brake, limit, bending)
+        angles = _descend(view, angles, start, found, hold, brake, limit, bending)
         away = np.linalg.norm(view.directions(angles, rows)[0] - found, axis=2)
         excess = np.abs(np.diff(angles, axis=0)) / limit - 1
-        fast = np.zeros(len(start), bool)
-        fast[1:] |= (excess > -1e-3).any(1)
-        fast = np.convolve(fast, np.ones(11), "same") > 0  # near a speed limit directions come early or late
-        held = holding & ~fast[:, None]
+        fast = (excess > -1e-3).any(1)
+        hurried = binary_dilation(np.append(fast, False) | np.append(False, fast), iterations=HURRY)
+        held = holding & ~hurried[:, None]
         if excess.max() < 0.01 and (away - promise)[held].max(initial=-1) < 0:
             break
         hold = np.where(held, np.maximum(hold * away / tube, hold / 2), hold)
@@ -67,6 +71,7 @@ def smooth_path(
 def _descend(
     view: LimbView,
     angles: FloatArray,
+    start: FloatArray,
     found: FloatArray,
     hold: FloatArray,
     brake: float,
@@ -79,14 +84,14 @@ def _descend(
         shown, slope = view.directions(trial, rows)
         miss = shown - found
         cost = (hold * (miss**2).sum(-1)).sum() + bending * (np.diff(trial, 3, axis=0) ** 2).sum()
-        cost += brake * (_excess(trial, limit) ** 2).sum() + REST * ((trial - view.rest) ** 2).sum()
+        cost += brake * (_excess(trial, limit) ** 2).sum() + PULL * ((trial - start) ** 2).sum()
         return float(cost), miss, slope
 
     cost, miss, slope = cost_of(angles)
     for _ in range(STEPS):
         weighted = (slope * hold[:, :, None, None]).reshape(len(angles), -1, angles.shape[1])
         flat = slope.reshape(weighted.shape)
-        gradient = (weighted.swapaxes(1, 2) @ miss.reshape(len(angles), -1, 1))[..., 0] + REST * (angles - view.rest)
+        gradient = (weighted.swapaxes(1, 2) @ miss.reshape(len(angles), -1, 1))[..., 0] + PULL * (angles - start)
         third = np.diff(angles, 3, axis=0)
         gradient += bending * -np.diff(np.pad(third, ((3, 3), (0, 0))), 3, axis=0)
         excess = brake * _excess(angles, limit)
@@ -124,14 +129,11 @@ def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: NDArra
     for below in range(size):
         for column in range(size - below):
             bands[below, :, column] = blocks[:, column + below, column]
-    bands[0] += REST
+    bands[0] += PULL
     bands[0, :-1] += brakes
     bands[0, 1:] += brakes
     bands[size, :-1] -= brakes
-    stencil = np.array([-1.0, 3.0, -3.0, 1.0])
-    for first in range(4):
-        for second in range(first, 4):
-            bands[(second - first) * size, first : count - 3 + first] += bending * stencil[first] * stencil[second]
+    bands[::size] += bending * third_gram(count)[:, :, None]
     flat, fixed = bands.reshape(3 * size + 1, -1), held.ravel()
     for below in range(3 * size + 1):
         length = flat.shape[1] - below

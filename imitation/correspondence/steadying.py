@@ -46,6 +46,8 @@ def steady(name: str, seen: FloatArray, visible: NDArray[np.bool_]) -> Steady:
     Raises:
         ImitationError: seen in fewer than four frames.
     """
+    if len(seen) <= ORDER and visible.all():  # too short for any jerk: nothing to smooth
+        return Steady(seen, 0.0, 0.0, np.ones(len(seen)))
     weight = visible.astype(float)
     if weight.sum() <= ORDER:
         raise ImitationError(f"{name}: seen in {int(weight.sum())} frames only; at least {ORDER + 1} are needed")
@@ -64,7 +66,7 @@ def steady(name: str, seen: FloatArray, visible: NDArray[np.bool_]) -> Steady:
 def _smooth(y: FloatArray, weight: FloatArray, ratio: float) -> tuple[FloatArray, float, float]:
     """Posterior mean for one lambda, its restricted log likelihood, and the noise variance."""
     count = len(y)
-    bands = _penalty(count) * ratio
+    bands = third_gram(count) * ratio
     bands[0] += weight
     hidden = weight == 0
     if hidden.any():
@@ -82,13 +84,13 @@ def _smooth(y: FloatArray, weight: FloatArray, ratio: float) -> tuple[FloatArray
     return mean, float(likelihood), variance
 
 
-def _penalty(count: int) -> FloatArray:
-    """D'D of third differences, lower banded (4, T)."""
+def third_gram(count: int) -> FloatArray:
+    """D'D of the third differences D of `count` numbers, lower banded (4, count)."""
     bands = np.zeros((ORDER + 1, count))
     stencil = np.array([-1.0, 3.0, -3.0, 1.0])
     for first in range(ORDER + 1):
         for second in range(first, ORDER + 1):
-            bands[second - first, first : count - ORDER + first] += stencil[first] * stencil[second]
+            bands[second - first, first : max(count - ORDER, 0) + first] += stencil[first] * stencil[second]
     return bands
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from babbling.axes import FloatArray
-from babbling.body_image import BodyImage
+from babbling.body_image import Image
 from imitation.correspondence.organ import owners
 from imitation.inference.bayes import action_posterior
 
@@ -23,7 +23,7 @@ ROUGH = 0.3
 
 
 def try_again(
-    image: BodyImage,
+    image: Image,
     part: int,
     wanted: FloatArray,
     start: FloatArray,
@@ -42,7 +42,7 @@ def try_again(
         count: tries.
         rng: chance of the first try.
     """
-    own = np.flatnonzero(owners(image.organs.moves) == part)
+    own = np.flatnonzero(owners(image.moves) == part)
     one = image.images[image.parts[part]]
     tried = [start.copy()]
     if count:

@@ -18,10 +18,10 @@ from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Corresponded, Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.mirrors import Eyes, image_of, look_into_mirror, through_mirror
 from experiments.shared.options import BodyOptions
+from experiments.shared.oracle import Retargeted, retarget
 from models.body import SimulatedBody
-from models.retargeting import Retargeted, retarget
 from models.teachers.anatomy import BodyPoses, perform
 from models.teachers.performance import Performance
 from models.teachers.performing import joint_motion, perform_motion
@@ -57,17 +57,16 @@ def found() -> dict[int | None, Pilot]:
     return {wiring: pilot(body_of(BodyOptions(scramble=wiring), 8), 0) for wiring in (None, 4)}
 
 
-def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performance) -> tuple[Corresponded, Retargeted]:
+def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performance) -> tuple[Retargeted, Retargeted]:
     options = BodyOptions(scramble=scramble)
     image = image_of(look_into_mirror(options, pilot, Eyes(noise_deg, 5.0)), options, pilot)
-    body, oracle = options.body(1), retarget(seen)
-    frames = len(oracle.trajectory.time)
-    return through_mirror(image, body, pilot, seen, frames, noise_deg, np.random.default_rng(0)), oracle
+    body, oracle = body_of(options, 1), retarget(seen)
+    return through_mirror(image, body, pilot, seen, noise_deg, np.random.default_rng(0)), oracle
 
 
-def beyond_oracle(found: Corresponded, oracle: Retargeted) -> float:
-    values = [found.error_deg[part][oracle.reachable[part]] for part in oracle.error_deg]
-    return float(np.concatenate(values).mean() - oracle.reachable_error_deg.mean())
+def beyond_oracle(found: Retargeted, oracle: Retargeted) -> float:
+    reachable = oracle.found.reachable
+    return found.mean_error_deg(reachable) - oracle.mean_error_deg(reachable)
 
 
 @pytest.mark.parametrize(("scramble", "noise_deg", "allowed"), [(None, 0.0, 0.3), (4, 0.0, 0.3), (4, 3.0, 2.5)])
@@ -111,7 +110,7 @@ def test_size_heading_and_walking_away_change_nothing(
     two = perform("two", "talos", trajectory.time, other, grown)
     image = image_of(look_into_mirror(BodyOptions(), found[None], Eyes(0.0, 3.0)), BodyOptions(), found[None])
     body = body_of(BodyOptions(), 1)
-    a, b = (through_mirror(image, body, found[None], seen, 200, 0.0, np.random.default_rng(0)) for seen in (one, two))
+    a, b = (through_mirror(image, body, found[None], seen, 0.0, np.random.default_rng(0)) for seen in (one, two))
     np.testing.assert_allclose(a.angles, b.angles, atol=np.deg2rad(0.05))
 
 

@@ -1,0 +1,98 @@
+"""The oracle: what the correspondence makes of a teacher when the body image is exact instead of learned.
+
+HOAP-2's directions come from Pinocchio. A body of hinges is met exactly by the body image's table of harmonics
+(`babbling.body_image`), so three looks per joint say all: nothing else differs between the oracle and who learned.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from babbling.body_image import LIBRARY, Image, PartImage
+from babbling.mirroring import angles_between
+from imitation.correspondence.correspondence import Corresponded, correspond
+from models.hoap2.facts import JOINTS, SPEED_LIMIT, joint_class
+from models.hoap2.kinematics import directions, ranges
+from models.hoap2.limbs import SEGMENTS
+from models.motion.trajectory import frame_times
+from models.teachers.performance import Performance, unit
+
+FloatArray = NDArray[np.float64]
+REST = np.deg2rad([90.0 * joint.endswith("arm_joint_1") for joint in JOINTS])
+"""Where joints stay that nothing seen decides: arms hanging, all else at zero."""
+SPEED = np.array([SPEED_LIMIT[joint_class(joint)] for joint in JOINTS])
+FROM_LOOKS = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
+"""Weights of 1, sin and 1 - cos out of values at -90, 0 and 90 degrees."""
+
+
+@dataclass(frozen=True, eq=False)
+class Retargeted:
+    """A teacher's movement that went through a correspondence, learned or the oracle's, for those who judge.
+
+    angles (T, J): the sub-goals in the body's own joint order, rad. shown (T, P, 3): where the body really points with
+    them; teacher (T, P, 3): where the teacher pointed; both in the order of found.parts.
+    """
+
+    found: Corresponded
+    angles: FloatArray
+    shown: FloatArray
+    teacher: FloatArray
+
+    @property
+    def error_deg(self) -> FloatArray:
+        """(T, P) degrees between what the body shows and what the teacher showed."""
+        return np.rad2deg(angles_between(self.shown, self.teacher))
+
+    @property
+    def error_deg_by_part(self) -> dict[str, float]:
+        """Part -> its mean error."""
+        return dict(zip(self.found.parts, self.error_deg.mean(0).tolist(), strict=True))
+
+    def mean_error_deg(self, where: NDArray[np.bool_]) -> float:
+        """Mean over the parts and frames (T, P) named; 0 for none."""
+        values = self.error_deg[where]
+        return float(values.mean()) if len(values) else 0.0
+
+
+def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
+    """HOAP-2's angles for a performance, one frame every `dt` seconds; joints in the order of JOINTS."""
+    teacher = at_ticks(performance, dt)
+    found = correspond(known_image(), performance.name, teacher, dt, SPEED)
+    places = [list(SEGMENTS).index(part) for part in found.parts]
+    shown = directions(found.postures)[:, places]
+    return Retargeted(found, found.postures, shown, np.stack([teacher[part] for part in found.parts], 1))
+
+
+def at_ticks(performance: Performance, tick_s: float) -> dict[str, FloatArray]:
+    """Part -> (T, 3) directions of a teacher at the imitator's ticks, seen without noise."""
+    time = frame_times(float(performance.time[-1]), tick_s, performance.name)
+    return {
+        part: unit(CubicSpline(performance.time, values, axis=0)(time))
+        for part, values in performance.directions.items()
+    }
+
+
+@cache
+def known_image() -> Image:
+    """HOAP-2's body image as its kinematics say: exact in every posture."""
+    low, high = ranges()
+    centre = (low + high) / 2
+    library = np.random.default_rng(0).uniform(low, high, (LIBRARY, len(low)))
+    some = library[:20]
+    turned = [directions(some + joint) - directions(some) for joint in np.eye(len(low))]
+    moves = np.abs(turned).max((1, 3)).T > 1e-9
+    images = {}
+    for number, (part, moved) in enumerate(zip(SEGMENTS, moves, strict=True)):
+        joints = np.flatnonzero(moved)
+        corners = np.indices((3,) * len(joints)).reshape(len(joints), -1).T - 1
+        postures = np.tile(centre, (len(corners), 1))
+        postures[:, joints] += np.pi / 2 * corners
+        weights = directions(postures)[:, number].reshape(*(3,) * len(joints), 3)
+        for axis in range(len(joints)):
+            weights = np.moveaxis(np.tensordot(FROM_LOOKS, weights, (1, axis)), 0, axis)
+        images[part] = PartImage(joints, centre[joints], weights, 0.0)
+    return Image(MappingProxyType(images), low, high, REST, library, np.zeros((LIBRARY, len(SEGMENTS))))
