@@ -145,12 +145,12 @@ def test_recording_holds_both_bodies_and_the_organ(done: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["correspondence", "--acts", "0"], "--demonstrations, --acts and --tries: at least one of each is needed"),
+        (["correspondence", "--acts", "0"], "--acts 0: at least 1 is needed"),
         (["correspondence", "--seeing-noise-deg", "99"], "--seeing-noise-deg 99: it must lie between 0 and 30"),
         (["correspondence", "--mirror-minutes", "0"], "--mirror-minutes 0: it must be more than 0"),
         (["correspondence", "--demonstrations", "icub-wav"], "did you mean 'icub-wave'"),
         (["gesture", "--seeing-noise-deg", "-1"], "--seeing-noise-deg -1: it must lie between 0 and 30"),
-        (["gesture", "--motion", "a.csv"], "only a robot's .urdf performs a motion, 'icub-wave' is none"),
+        (["gesture", "--motion", "README.md"], "only a robot's .urdf performs a motion, 'icub-wave' is none"),
     ],
 )
 def test_bad_options_are_answered_in_a_line(words: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
