@@ -67,7 +67,7 @@ class ForwardModel:
         names = (*(axis.name for axis in self.axes),)
         low = np.stack([axis.low for axis in self.axes], axis=1)
         high = np.stack([axis.high for axis in self.axes], axis=1)
-        self.moments = LinearGaussian.empty(names, low, np.maximum(high, low + 1e-12))
+        self.moments = LinearGaussian(names, low, np.maximum(high, low + 1e-12))
         self._cache: dict[str, FloatArray] = {}
 
     @property

@@ -133,10 +133,8 @@ class LookingPilot:
         alone = np.all(np.abs(change[:, self.others]) < STILL, axis=-1)
         moved = now[..., self.coordinate] - was[..., self.coordinate] - self.straight(context, action)
         outcome = np.where(alone[:, None], moved, np.nan)
-        factors = len(self.motor)
-        return Transitions(
-            tuple(c.reshape(-1, factors) for c in context), action.reshape(-1, factors), outcome.reshape(-1, factors)
-        )
+        *seen, action, outcome = (v.reshape(-1, len(self.motor)) for v in (*context, action, outcome))
+        return Transitions(tuple(seen), action, outcome)
 
     def situate(
         self, things: FloatArray, posture: FloatArray, change: FloatArray
@@ -161,34 +159,23 @@ class LookingPilot:
         moved = seen.outcome + self.straight(seen.context, seen.action)
         return regress(self.terms(seen.context, seen.action), moved[..., None])
 
-    @property
-    def factors(self) -> tuple[str, ...]:
-        """Labels: motor and image coordinate."""
-        names = ("left u", "left v", "right u", "right v")[: self.retina.coordinates]
-        return tuple(f"motor {m} moves {name}" for m in range(len(self.reach.low)) for name in names)
-
     def forward_model(self) -> ForwardModel:
         """An empty forward model on these axes."""
         eye, half, reach = 2 * (self.coordinate // 2), self.retina.half, self.reach
         u = Axis("u", "px", -half[eye], half[eye], GRID[0])
         v = Axis("v", "px", -half[eye + 1], half[eye + 1], GRID[1])
         margin = 0.02
-        others = self.others.T
-        names = ["other"] if len(others) == 1 else [f"other {k}" for k in range(len(others))]
         postures = (
-            Axis(name, "rad", reach.low[other] - margin, reach.high[other] + margin, GRID[2])
-            for name, other in zip(names, others, strict=True)
+            Axis(f"other{k or ''}", "rad", reach.low[other] - margin, reach.high[other] + margin, GRID[2])
+            for k, other in enumerate(self.others.T)
         )
+        sides = ("left u", "left v", "right u", "right v")
+        labels = [f"motor {m} moves {sides[c]}" for m, c in zip(self.motor, self.coordinate, strict=True)]
         largest = 1.02 * reach.largest[self.motor] + margin
         action = Axis("action", "rad", -largest, largest, GRID[3])
-        return ForwardModel(
-            (u, v, *postures),
-            action,
-            self.outcome,
-            factors=self.factors,
-            prior_strength=PRIOR_STRENGTH,
-            provenance={"body": self.fingerprint},
-        )
+        notes = {"body": self.fingerprint}
+        axes = ((u, v, *postures), action, self.outcome)
+        return ForwardModel(*axes, factors=labels, prior_strength=PRIOR_STRENGTH, provenance=notes)
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
         """Saccades of one motor at a time, from where the last one went."""
@@ -227,11 +214,9 @@ def pilot_looking(body: Body, reach: Reach, seed: int) -> LookingPilot:
     before, motors, after = flat(*explore(body, stream, PILOT_TICKS))
     minutes = (ticks + PILOT_TICKS) * body.tick_s * body.copies / 60
     nothing = np.zeros((len(reach.low) * retina.coordinates, 1))
-    bare = LookingPilot(
-        retina, reach, schema, nothing, symmetric("outcome", "px", nothing.T, 2, more=1.0), body.fingerprint, minutes
-    )
-    seen = bare.transitions(before, motors, after)
-    fit = bare.fit(seen)
+    unknown = symmetric("outcome", "px", nothing.T, 2, more=1.0)
+    bare = LookingPilot(retina, reach, schema, nothing, unknown, body.fingerprint, minutes)
+    fit = bare.fit(bare.transitions(before, motors, after))
     least = int(fit.samples.argmin())
     if fit.samples[least] < LEAST_SIGHTINGS:
         raise BabblingError(

@@ -86,16 +86,9 @@ def pilot(body: Body, seed: int) -> Pilot:
     dynamics = fit_dynamics(schema, motors, senses)
     coasting = dynamics.coasting
     seen = Proprioception(schema, coasting).transitions(*flat(motors, senses))
-    rate, action, outcome = (
-        symmetric(name, unit, values, size)
-        for name, unit, values, size in zip(
-            ("rate", "action", "outcome"),
-            ("rad/s", "rad", "rad"),
-            (seen.context[0], seen.action, seen.outcome),
-            GRID,
-            strict=True,
-        )
-    )
+    rate = symmetric("rate", "rad/s", seen.context[0], GRID[0])
+    action = symmetric("action", "rad", seen.action, GRID[1])
+    outcome = symmetric("outcome", "rad", seen.outcome, GRID[2])
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
     return Pilot(schema, span, coasting, dynamics, rate, action, outcome, minutes)
 

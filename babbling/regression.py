@@ -11,8 +11,6 @@ greatest (MacKay 1992). All it needs are the second moments of z = (x, y), which
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -40,7 +38,7 @@ class LinearFit(NamedTuple):
     """(F, X, X) A: the weights of target y have posterior covariance noise[y]^2 A^-1."""
     samples: IntArray
     """(F,) N."""
-    ridge: float
+    ridge: float = 0.0
     """Prior precision in units of the noise's."""
 
     @property
@@ -54,12 +52,9 @@ class LinearFit(NamedTuple):
             misfit = misfit - self.ridge * (self.coefficients**2).sum(-1)
         return np.asarray(np.sqrt(np.where(free > 0, np.maximum(misfit, 0) / np.maximum(free, 1), np.inf)))
 
-    def predict(self, *x: NDArray[np.float64]) -> FloatArray:
+    def predict(self, *x: FloatArray) -> FloatArray:
         """(..., F, Y) means for inputs of shape (..., F) each, where the features are 1 and the inputs."""
-        mean = self.coefficients[..., 0] + np.zeros((*np.shape(x[0]), 1))
-        for i, value in enumerate(x):
-            mean = mean + self.coefficients[..., i + 1] * np.asarray(value)[..., None]
-        return mean
+        return self.mean(np.stack([np.ones_like(x[0]), *x], axis=-1))
 
     def mean(self, features: FloatArray) -> FloatArray:
         """(..., F, Y) means for features (..., F or 1, X)."""
@@ -75,30 +70,27 @@ Term = Callable[[Mapping[str, FloatArray]], FloatArray]
 """A feature made of channels by name, each cut to its range and scaled to -1 .. 1; it stays within -1 .. 1 itself."""
 
 
-@dataclass
 class LinearGaussian:
     """Second moments of named channels for F factors: exact, so merging (adding `sums`) is the same in any order.
 
     Values are kept as integers, 2^-15 of a channel's half range; any channels and terms can be targets and inputs.
+
+    Args:
+        channels: C names.
+        low, high: (F, C) ranges of the channels; values beyond them are cut.
+        terms: more features by name.
     """
 
-    channels: tuple[str, ...]
-    centre: FloatArray
-    """(F, C) middle of each channel's range."""
-    half: FloatArray
-    """(F, C) half of each channel's range; values beyond it are cut."""
-    sums: IntArray
-    """(F, Z, Z) sums of z z^T in fixed point, z = (1, channels, terms)."""
-    terms: Mapping[str, Term] = field(default_factory=lambda: MappingProxyType({}))
-
-    @classmethod
-    def empty(
-        cls, channels: tuple[str, ...], low: FloatArray, high: FloatArray, terms: Mapping[str, Term] | None = None
-    ) -> "LinearGaussian":
-        """No experience yet; ranges `low`, `high` are (F, C)."""
-        terms = MappingProxyType(dict(terms or {}))
-        size = 1 + len(channels) + len(terms)
-        return cls(channels, (low + high) / 2, (high - low) / 2, np.zeros((len(low), size, size), np.int64), terms)
+    def __init__(
+        self, channels: Sequence[str], low: FloatArray, high: FloatArray, terms: Mapping[str, Term] | None = None
+    ) -> None:
+        self.channels, self.terms = tuple(channels), dict(terms or {})
+        self.names = ("1", *self.channels, *self.terms)
+        around = ((0, 0), (1, len(self.terms)))
+        self.centre = np.pad((low + high) / 2, around)
+        self.half = np.pad((high - low) / 2, around, constant_values=1)
+        self.sums: IntArray = np.zeros((len(low), *2 * (len(self.names),)), np.int64)
+        """(F, Z, Z) sums of z z^T in fixed point, z = (1, channels, terms)."""
 
     @property
     def samples(self) -> IntArray:
@@ -107,8 +99,9 @@ class LinearGaussian:
 
     def observe(self, values: FloatArray, keep: BoolArray) -> None:
         """Add (N, F, C) values; rows where `keep` (N, F) is False are left out."""
+        mine = slice(1, 1 + len(self.channels))
         ones = np.full((*keep.shape, 1), float(SCALE))
-        z = np.concatenate([ones, (values - self.centre) * (SCALE / self.half)], axis=-1)
+        z = np.concatenate([ones, (values - self.centre[:, mine]) * (SCALE / self.half[:, mine])], axis=-1)
         np.clip(z, -SCALE, SCALE, out=z)
         if self.terms:
             scaled = dict(zip(self.channels, np.moveaxis(z[..., 1:] / SCALE, -1, 0), strict=True))
@@ -127,16 +120,11 @@ class LinearGaussian:
         """
         if (self.samples <= len(inputs) + 1).any():
             raise BabblingError(f"factor {int(np.argmin(self.samples))} has no experience to fit a line to")
-        names = (*self.channels, *self.terms)
-        order = [0, *(1 + names.index(c) for c in (*inputs, *targets))]
+        order = [self.names.index(name) for name in ("1", *inputs, *targets)]
         moments = (self.sums / (self.sums[:, :1, :1].astype(float)))[:, order][:, :, order]
-        extra = np.zeros((len(self.half), len(self.terms)))
-        centre, half = np.hstack([self.centre, extra]), np.hstack([self.half, extra + 1])
-        one = np.ones((len(half), 1))
-        centre, half = np.hstack([0 * one, centre])[:, order], np.hstack([one, half])[:, order]
-        size = 1 + len(inputs)
-        fit = _posterior(moments, size, self.samples, np.full((1, size), ridge), centre, half, 0.0)
-        floor = (half[:, size:] / SCALE) ** 2  # fixed point cannot see less
+        centre, half = self.centre[:, order], self.half[:, order]
+        fit = _posterior(moments, self.samples, np.full((1, 1 + len(inputs)), ridge), centre, half)
+        floor = (half[:, 1 + len(inputs) :] / SCALE) ** 2  # fixed point cannot see less
         diagonal = np.arange(len(targets))
         fit.covariance[:, diagonal, diagonal] = np.maximum(fit.covariance[:, diagonal, diagonal], floor)
         return fit
@@ -167,7 +155,7 @@ class Regression:
         size = np.where(size > 0, size, 1.0)
         own = ridge / (np.maximum(self.samples, 1)[:, None] * size[:, : self.features] ** 2)
         moments = moments / (size[:, :, None] * size[:, None, :])
-        return _posterior(moments, self.features, self.samples, own + ROUNDING, 0 * size, size, ridge)
+        return _posterior(moments, self.samples, own + ROUNDING, 0 * size, size)._replace(ridge=ridge)
 
     def fit_with_noise(self, prior: float = 1.0, least: float = 1e-9) -> tuple[LinearFit, float]:
         """Posterior where W ~ N(0, I / prior), and the noise variance, all targets alike, by evidence; `least` of it.
@@ -208,7 +196,7 @@ def regress(
     return fit
 
 
-def _add(sums: NDArray[np.float64] | IntArray, z: FloatArray) -> None:
+def _add(sums: FloatArray | IntArray, z: FloatArray) -> None:
     """Add z z^T of (N, F, Z) rows; exact where z holds whole numbers up to `SCALE`."""
     for start in range(0, len(z), _CHUNK):
         part = np.ascontiguousarray(z[start : start + _CHUNK].transpose(1, 2, 0))
@@ -216,27 +204,21 @@ def _add(sums: NDArray[np.float64] | IntArray, z: FloatArray) -> None:
 
 
 def _posterior(
-    moments: FloatArray,
-    size: int,
-    samples: IntArray,
-    ridge: FloatArray,
-    centre: FloatArray,
-    half: FloatArray,
-    own: float,
+    moments: FloatArray, samples: IntArray, ridge: FloatArray, centre: FloatArray, half: FloatArray
 ) -> LinearFit:
-    """Posterior from (F, Z, Z) mean moments of (z - centre) / half, features first; a centre needs a constant feature.
+    """Posterior from (F, Z, Z) mean moments of (z - centre) / half: first X features, as long as the diagonal `ridge`.
 
-    `ridge` (F or 1, X) is what stands on the diagonal, `own` the prior precision in the features' own units.
+    A centre other than 0 needs a first feature that is 1.
     """
+    size = ridge.shape[1]
     xx, xy, yy = moments[:, :size, :size], moments[:, :size, size:], moments[:, size:, size:]
     xx = xx + ridge[:, :, None] * np.eye(size)
     beta = np.linalg.solve(xx, xy)  # (F, X, Y) in normalised units
-    half_x, half_y = half[:, :size], half[:, size:]
+    half_x, half_y, middle = half[:, :size], half[:, size:], centre[:, :size]
     slopes = (beta * half_y[:, None, :] / half_x[:, :, None]).transpose(0, 2, 1)
-    slopes[..., 0] += centre[:, size:] - (slopes[..., 1:] * centre[:, None, 1:size]).sum(-1)
+    slopes[..., 0] += centre[:, size:] - (slopes[..., 1:] * middle[:, None, 1:]).sum(-1)
     covariance = (yy - xy.transpose(0, 2, 1) @ beta) * half_y[:, :, None] * half_y[:, None, :]
     precision = xx * half_x[:, :, None] * half_x[:, None, :] * samples[:, None, None]
-    middle = np.concatenate([np.zeros((len(half), 1)), centre[:, 1:size]], axis=1)
     precision += middle[:, :, None] * precision[:, :1]
     precision += precision[:, :, :1] * middle[:, None, :]
-    return LinearFit(slopes, covariance, precision, samples, own)
+    return LinearFit(slopes, covariance, precision, samples)

@@ -42,13 +42,11 @@ class BodySchema:
 
     def efference(self, motors: FloatArray) -> FloatArray:
         """(..., F) postures that (..., F) commands ask for."""
-        postures: FloatArray = self.offset + self.slope * motors
-        return postures
+        return np.asarray(self.offset + self.slope * motors)
 
     def motors(self, postures: FloatArray) -> FloatArray:
         """Inverse of `efference`."""
-        motors: FloatArray = (postures - self.offset) / self.slope
-        return motors
+        return np.asarray((postures - self.offset) / self.slope)
 
 
 def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatArray:
@@ -74,8 +72,7 @@ def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatA
             independent = p.sum(1, keepdims=True) * p.sum(0, keepdims=True)
             seen = p > 0
             result[i, j] = (p[seen] * np.log2(p[seen] / independent[seen])).sum()
-    information: FloatArray = np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0)
-    return information
+    return np.asarray(np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0))
 
 
 def find_schema(
@@ -120,10 +117,8 @@ def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> IntArray:
     change = (np.diff(senses, axis=0) / tick_s).reshape(-1, senses.shape[-1])[:, posture]
     level = senses[1:].reshape(-1, senses.shape[-1])
     with np.errstate(invalid="ignore", divide="ignore"):
-        follow = ((change - change.mean(0)).T @ (level - level.mean(0))) / (
-            len(level) * np.outer(change.std(0), level.std(0))
-        )
-    follow = np.nan_to_num(follow)
+        both = (change - change.mean(0)).T @ (level - level.mean(0)) / len(level)
+        follow = np.nan_to_num(both / np.outer(change.std(0), level.std(0)))
     follow[:, posture] = -1
     return np.asarray(linear_sum_assignment(-follow)[1])
 
@@ -142,8 +137,7 @@ def _others(motors: FloatArray, senses: int) -> list[FloatArray]:
 def resolution(senses: FloatArray) -> FloatArray:
     """(S,) finest step between two different readings in (N, S) sensations; 1e-6 at least."""
     steps = np.diff(np.sort(senses, axis=0), axis=0)
-    finest: FloatArray = np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6)
-    return finest
+    return np.asarray(np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6))
 
 
 def _efference(

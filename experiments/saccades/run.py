@@ -15,7 +15,6 @@ from experiments.saccades.options import Config
 from experiments.saccades.recording import record
 from experiments.saccades.trials import (
     Predicted,
-    copied,
     expected,
     fixate,
     least_squares,
@@ -69,7 +68,7 @@ def run(config: Config) -> Result:
             if unseen is None:
                 unseen = unseen_saccades(mind, other, tests, seed)
             if done >= marks[len(points)] - 1e-9 or not points:
-                table, line = (float(unseen.error(guess(mind, unseen)).mean()) for guess in (expected, copied))
+                table, line = (unseen.error(expected(mind, unseen, table=t)).mean() for t in (True, False))
                 points.append((mind.minutes + mind.pilot.minutes, table, line))
 
         notes: list[Transitions] = []
@@ -80,7 +79,7 @@ def run(config: Config) -> Result:
         fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
     curve = LearningCurve.of(points)
     glances = tour(mind, config, selection, seed)
-    errors, copy = unseen.error(expected(mind, unseen)), unseen.error(copied(mind, unseen))
+    errors, copy = unseen.error(expected(mind, unseen)), unseen.error(expected(mind, unseen, table=False))
     straight = unseen.error(straight_lines(mind, body, unseen, seed))
     metrics: dict[str, Any] = {
         "robot": config.robot,

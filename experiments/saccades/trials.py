@@ -72,14 +72,9 @@ def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) 
     return Predicted(*(part[keep] for part in rows))
 
 
-def expected(mind: LookingMind, trials: Predicted) -> FloatArray:
-    """(N, 4) where the forward model expects things after a trial's saccade."""
-    return mind.expect(trials.before, trials.posture, trials.change)
-
-
-def copied(mind: LookingMind, trials: Predicted) -> FloatArray:
-    """The least-squares peer: the efference copy's account alone, chained in the same way."""
-    return mind.expect(trials.before, trials.posture, trials.change, table=False)
+def expected(mind: LookingMind, trials: Predicted, *, table: bool = True) -> FloatArray:
+    """(N, 4) where things are expected after a saccade; without `table` by the efference copy alone (a peer)."""
+    return mind.expect(trials.before, trials.posture, trials.change, table=table)
 
 
 def least_squares(mind: LookingMind, notes: list[Transitions], trials: Predicted) -> FloatArray:
@@ -90,7 +85,7 @@ def least_squares(mind: LookingMind, notes: list[Transitions], trials: Predicted
         np.concatenate([note.outcome for note in notes]),
     )
     line = mind.pilot.fit(every).coefficients[:, 0]
-    return copied(replace(mind, pilot=replace(mind.pilot, line=line)), trials)
+    return expected(replace(mind, pilot=replace(mind.pilot, line=line)), trials, table=False)
 
 
 def straight_lines(mind: LookingMind, body: SeeingBody, trials: Predicted, seed: int) -> FloatArray:

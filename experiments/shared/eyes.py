@@ -1,6 +1,7 @@
 """Eyes, toys and minds: what the experiments with a seeing head share."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,21 +104,15 @@ def nursery(options: EyeOptions, seed: int, copies: int = COPIES) -> SeeingBody:
     return body
 
 
-class _Noting:
-    """A babbler whose transitions are noted as well as counted: for peers that learn from the very same experience."""
+@dataclass(frozen=True)
+class _Noting(LookingPilot):
+    """Notes transitions beside reading them: for peers that learn from the very same experience."""
 
-    def __init__(self, babbler: LookingPilot, notes: list[Transitions]) -> None:
-        self.babbler, self.notes, self._reading = babbler, notes, babbler.reading
-        self.forward_model, self.stream = babbler.forward_model, babbler.stream
-
-    @property
-    def reading(self) -> "_Noting":
-        """Ourselves: see `transitions`."""
-        return self
+    notes: list[Transitions]
 
     def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
-        """As the babbler reads them."""
-        self.notes.append(self._reading.transitions(before, motors, after))
+        """As any pilot of looking reads them."""
+        self.notes.append(super().transitions(before, motors, after))
         return self.notes[-1]
 
 
@@ -147,6 +142,6 @@ def learn_to_look(
         if after_bout is not None:
             after_bout(bout / len(plan), LookingMind(found, model, float(done[bout - 1])))
 
-    babbler = found if notes is None else _Noting(found, notes)
+    babbler = found if notes is None else _Noting(**vars(found), notes=notes)
     model = babble(body, babbler, plan, seed, after_bout=told)
     return LookingMind(found, model, float(done[-1]))

@@ -149,7 +149,7 @@ def test_three_motors_are_found_and_chained(monkeypatch: pytest.MonkeyPatch) -> 
     assert found.schema.posture.tolist() == [1, 2, 0]
     np.testing.assert_allclose(found.schema.slope, (0.9, 0.8, 0.7), rtol=1e-6)
     mind = LookingMind(found, babble(body, found, (20,) * 4, 0), 1.0)
-    assert [axis.name for axis in mind.forward_model.contexts] == ["u", "v", "other 0", "other 1"]
+    assert [axis.name for axis in mind.forward_model.contexts] == ["u", "v", "other", "other1"]
     judge = CarriedHead(seed=9, noise=0.0)
     stream = saccades(reach, found.schema, judge.copies, np.random.default_rng(5), together=True)
     before, motors, after = flat(*explore(judge, stream, 10))

@@ -11,7 +11,7 @@ from babbling.regression import SCALE, LinearGaussian, Regression, regress
 
 
 def moments(low: float = -2.0, high: float = 3.0) -> LinearGaussian:
-    return LinearGaussian.empty(("x", "z", "y"), np.full((2, 3), low), np.full((2, 3), high))
+    return LinearGaussian(("x", "z", "y"), np.full((2, 3), low), np.full((2, 3), high))
 
 
 @settings(max_examples=30, deadline=None)
@@ -48,7 +48,7 @@ def test_rows_left_out_leave_nothing() -> None:
     m, kept = moments(), moments()
     m.observe(values, keep)
     for f in range(2):
-        one = LinearGaussian.empty(("x", "z", "y"), np.full((1, 3), -2.0), np.full((1, 3), 3.0))
+        one = LinearGaussian(("x", "z", "y"), np.full((1, 3), -2.0), np.full((1, 3), 3.0))
         one.observe(values[keep[:, f], f : f + 1], np.ones((keep[:, f].sum(), 1), bool))
         kept.sums[f] = one.sums[0]
     assert (m.sums == kept.sums).all()
@@ -67,12 +67,12 @@ def test_merging_in_any_order_gives_the_same_bytes() -> None:
     rng = np.random.default_rng(1)
     parts = []
     for _ in range(5):
-        m = LinearGaussian.empty(("x", "z", "y"), np.full((2, 3), -2.0), np.full((2, 3), 3.0), SQUARES)
+        m = LinearGaussian(("x", "z", "y"), np.full((2, 3), -2.0), np.full((2, 3), 3.0), SQUARES)
         m.observe(rng.uniform(-2, 3, (40, 2, 3)), rng.random((40, 2)) < 0.8)
         parts.append(m)
     fits = []
     for order in (range(5), (3, 1, 4, 0, 2)):
-        m = LinearGaussian.empty(("x", "z", "y"), np.full((2, 3), -2.0), np.full((2, 3), 3.0), SQUARES)
+        m = LinearGaussian(("x", "z", "y"), np.full((2, 3), -2.0), np.full((2, 3), 3.0), SQUARES)
         for part in order:
             m.sums += parts[part].sums
         fits.append(m.fit(["y"], ["x", "product"]))
@@ -88,7 +88,7 @@ def test_terms_are_inputs_like_any_other() -> None:
     x, z = rng.uniform(-2, 2, (2, 3000, 1))
     y = 0.5 + 0.3 * x - 0.2 * x * z + 0.4 * np.sign(x)
     reach = np.array([[2.0, 2.0, 4.0]])
-    m = LinearGaussian.empty(("x", "z", "y"), -reach, reach, SQUARES)
+    m = LinearGaussian(("x", "z", "y"), -reach, reach, SQUARES)
     m.observe(np.stack([x, z, y], -1), np.ones((3000, 1), bool))
     fit = m.fit(["y"], ["x", "product", "side"])
     np.testing.assert_allclose(fit.coefficients[0, 0], [0.5, 0.3, -0.2 * 4, 0.4], atol=1e-3)  # x z = 4 product
