@@ -5,20 +5,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.sight import LookingMind
 from experiments.gaze.infer import infer
-from experiments.gaze.trials import TOYS, Scene, Trials, run_trials
+from experiments.gaze.trials import TOYS, Follower, Trials, run_trials
 from experiments.shared.judging import interval_95
-from imitation.gaze.reader import EyeLore, GazeReader
+from imitation.gaze.reader import EyeLore
 from imitation.seeing.finding import Finder
-from imitation.seeing.pose import Appearance
 from models.biclops.cloth import through_cloth
 from models.retina import Image
 from models.seeing_body import SeeingBody
-
-FloatArray = NDArray[np.float64]
 
 LOOKS = 12
 """Looks through each cloth, and 200 without any: a baby looks all day."""
@@ -45,33 +40,22 @@ def own_experience(
 
 
 def covered_eyes(
-    body: SeeingBody,
-    scene: Scene,
-    mind: LookingMind,
-    appearance: Appearance,
-    gaze: GazeReader,
-    head: FloatArray,
-    count: int,
-    rng: np.random.Generator,
-    report: Callable[[float], None],
+    body: SeeingBody, who: Follower, count: int, rng: np.random.Generator, report: Callable[[float], None]
 ) -> dict[str, Any]:
     """How often gaze is followed: by age, own experience and cloth; populations that choose by probability matching."""
     faces: dict[str, Trials] = {}
     for number, cloth in enumerate(("blindfold", "headband")):
         share = partial(lambda number, done: report((number + done) / 2), number)
-        faces[cloth] = run_trials(body, scene, mind, appearance, count, rng, cloth=cloth, report=share)
+        faces[cloth] = run_trials(body, who, count, rng, cloth=cloth, report=share)
     views = [pair[0] for pair in body.images]
     rates: dict[str, Any] = {}
     for age, lived in AGES.items():
         for training, kind in TRAINING.items():
             lore = EyeLore()
-            own_experience(lore, None, views, scene.eyes.noise, rng)
+            own_experience(lore, None, views, who.scene.eyes.noise, rng)
             for cover in (*lived, *((kind,) if kind else ())):
-                own_experience(lore, cover, views, scene.eyes.noise, rng)
-            row: dict[str, Any] = {}
-            for cloth, trials in faces.items():
-                row[cloth] = _followed(trials, lore, gaze, head, rng)
-            rates[f"{age}, {training}"] = row
+                own_experience(lore, cover, views, who.scene.eyes.noise, rng)
+            rates[f"{age}, {training}"] = {c: _followed(who, trials, lore, rng) for c, trials in faces.items()}
     before12, before18 = rates["12 months, before"], rates["14 and 18 months, before"]
     opaque12 = rates["12 months, after an opaque blindfold"]
     through18 = rates["14 and 18 months, after a see-through one"]
@@ -87,9 +71,7 @@ def covered_eyes(
     }
 
 
-def _followed(
-    trials: Trials, lore: EyeLore, gaze: GazeReader, head: FloatArray, rng: np.random.Generator
-) -> dict[str, Any]:
+def _followed(who: Follower, trials: Trials, lore: EyeLore, rng: np.random.Generator) -> dict[str, Any]:
     covered = ~trials.eyes_seen
     belief = {state: lore.sees(state) for state in (False, True)}
     looked = np.empty(len(covered), int)
@@ -97,7 +79,7 @@ def _followed(
         mine = np.flatnonzero(covered == state)
         if not len(mine):
             continue
-        probability = infer(trials.rows(mine), gaze, head, TOYS, sees=belief[state][0])
+        probability = infer(who, trials.rows(mine), TOYS, sees=belief[state][0])
         ladder = np.cumsum(probability, 1)
         looked[mine] = (ladder < rng.random((len(mine), 1)) * ladder[:, -1:]).sum(1)
     hits = int((looked == trials.target).sum())

@@ -11,11 +11,11 @@ from experiments.gaze.scene import FRAME_S, Episode
 from experiments.shared.palette import INKS, OURS, PLAIN
 
 
-def figures(found: Found, error: float) -> dict[str, Figure]:
+def figures(found: Found) -> dict[str, Figure]:
     """All of them, by file stem."""
     return {
         "episode": episode(found.episode),
-        "calibration": calibration(found.calibration, error),
+        "calibration": calibration(found.calibration, found.calibration_error),
         "preferences": preferences(found),
         "covered_eyes": covered(found.covered),
     }

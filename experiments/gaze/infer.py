@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.gaze.trials import Trials, located
-from imitation.gaze.reader import GazeReader, Preferences
+from experiments.gaze.trials import Follower, Trials, located
+from imitation.gaze.reader import Preferences
 
 FloatArray = NDArray[np.float64]
 
@@ -23,9 +23,8 @@ class Judged(NamedTuple):
 
 
 def infer(
+    who: Follower,
     trials: Trials,
-    gaze: GazeReader,
-    head: FloatArray,
     toys: tuple[str, ...],
     likes: Preferences | None = None,
     *,
@@ -33,7 +32,7 @@ def infer(
     sees: float = 1.0,
 ) -> FloatArray:
     """(N, G) Eq. (2) for each trial, over the toys that were seen in both eyes; prior: salience and preferences."""
-    places = located(trials, gaze.geometry)
+    places = located(trials, who.gaze.geometry)
     probability = np.zeros(places.shape[:2])
     for i in range(len(places)):
         there = np.flatnonzero(np.isfinite(places[i]).all(1))
@@ -45,29 +44,23 @@ def infer(
         if not np.isfinite(trials.pose[i]).all():
             probability[i, there] = prior
             continue
-        posterior = gaze.read(trials.pose[i], places[i, there], head, prior, sees)
+        posterior = who.gaze.read(trials.pose[i], places[i, there], who.head, prior, sees)
         probability[i, there] = posterior.probability if posterior.informed else prior
     return probability
 
 
 def judge(
-    trials: Trials,
-    gaze: GazeReader,
-    head: FloatArray,
-    toys: tuple[str, ...],
-    likes: Preferences | None = None,
-    *,
-    even: bool = False,
+    who: Follower, trials: Trials, toys: tuple[str, ...], likes: Preferences | None = None, *, even: bool = False
 ) -> Judged:
     """Infer and compare with the truth."""
-    probability = infer(trials, gaze, head, toys, likes, even=even)
+    probability = infer(who, trials, toys, likes, even=even)
     best = probability.argmax(1)
     return Judged(probability, best == trials.target, probability.max(1))
 
 
-def train_preferences(
-    likes: Preferences, trials: Trials, gaze: GazeReader, head: FloatArray, toys: tuple[str, ...]
-) -> None:
-    """Learn what a teacher likes from what it seemed to look at; nobody says what it was."""
+def preferences(who: Follower, trials: Trials, toys: tuple[str, ...]) -> Preferences:
+    """What a teacher likes, learned from what it seemed to look at; nobody says what it was."""
+    likes = Preferences()
     for i in range(len(trials.target)):
-        likes.observe(toys, infer(trials.rows(slice(i, i + 1)), gaze, head, toys, likes)[0])
+        likes.observe(toys, infer(who, trials.rows(slice(i, i + 1)), toys, likes)[0])
+    return likes

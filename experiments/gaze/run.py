@@ -1,5 +1,6 @@
 """A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
 from experiments.gaze.figures import figures
 from experiments.gaze.found import Found
-from experiments.gaze.infer import infer, judge, train_preferences
+from experiments.gaze.infer import infer, judge, preferences
 from experiments.gaze.options import Config
 from experiments.gaze.recording import record
 from experiments.gaze.scene import episode
@@ -21,7 +22,6 @@ from experiments.gaze.trials import (
     TOYS,
     Scene,
     lesson_for_gaze,
-    reader,
     run_trials,
     shown,
     table_body,
@@ -32,7 +32,6 @@ from experiments.shared.eyes import learn_to_look, nursery
 from experiments.shared.judging import calibration_error
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.gaze.reader import GazeReader, Preferences
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.seeing_body import head_fingerprint
 
@@ -62,61 +61,38 @@ def run(config: Config) -> Result:
     scene, counts = scene_of(config), STUDY if config.study else SHORT
     mind = _eyes(config)
     with progress("the caregiver mirrors") as report:
-        appearance, head = lesson_for_gaze(scene, mind, LESSONS, config.seed, report)
+        who = lesson_for_gaze(scene, mind, LESSONS, config.seed, report)
     body = table_body(scene, COPIES, config.seed + 11, TURN_S)
     rng = np.random.default_rng([config.seed, 0x6A2E])
     with progress("being shown") as report:
-        lessons = run_trials(body, scene, mind, appearance, SHOWN_TRIALS, rng, report=report)
-        naive = reader(mind)
-        gaze = naive.learned(shown(lessons, naive.geometry, head))
+        lessons = run_trials(body, who, SHOWN_TRIALS, rng, report=report)
+        who = shown(who, lessons)
     with progress("following gaze") as report:
         clear_trials = run_trials(
-            body, scene, mind, appearance, counts["clear"], rng, report=report,
-            follow=lambda trials: infer(trials, gaze, head, TOYS).argmax(1),
-        )  # fmt: skip
-    clear = judge(clear_trials, gaze, head, TOYS)
-    with progress("a teacher with preferences") as report:
-        likes = Preferences()
-        known = run_trials(
-            body, scene, mind, appearance, PREFERENCE_TRIALS, rng, toys=PAIR, apart_deg=(15.0, 60.0),
-            preference=PREFERENCE, report=report,
-        )  # fmt: skip
-        train_preferences(likes, known, gaze, head, PAIR)
-        close = run_trials(
-            body, scene, mind, appearance, counts["pairs"], rng, toys=PAIR, apart_deg=(5.7, 6.3),
-            preference=PREFERENCE, report=report,
-        )  # fmt: skip
-    alone = judge(close, gaze, head, PAIR, Preferences(), even=True)
-    preferred = judge(close, gaze, head, PAIR, likes)
-    with progress("calibration") as report:
-        many = run_trials(
-            body, scene, mind, appearance, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report
+            body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
         )
-    broad = Preferences()
-    train_preferences(broad, lessons, gaze, head, TOYS)
-    judged = judge(many, gaze, head, TOYS, broad)
+    clear = judge(who, clear_trials, TOYS)
+    with progress("a teacher with preferences") as report:
+        meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE, report=report)
+        likes = preferences(who, meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0)), PAIR)
+        close = meet(counts["pairs"], apart_deg=(5.7, 6.3))
+    alone = judge(who, close, PAIR, even=True)
+    preferred = judge(who, close, PAIR, likes)
+    with progress("calibration") as report:
+        many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
+    judged = judge(who, many, TOYS, preferences(who, lessons, TOYS))
     error, bins = calibration_error(judged.confidence, judged.right)
     with progress("covered eyes") as report:
-        covered = covered_eyes(
-            body,
-            scene,
-            mind,
-            appearance,
-            gaze,
-            head,
-            counts["covered"],
-            np.random.default_rng([config.seed, 7]),
-            report,
-        )
-    shown_episode = episode(scene, mind, appearance, gaze, head, layout, config.target, config.seed)
-    found = Found(clear, alone, preferred, bins, covered, shown_episode)
-    metrics = _metrics(config, found, gaze, error, likes, clear_trials.looked, clear_trials.target, mind)
+        covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
+    shown_episode = episode(who, layout, config.target, config.seed)
+    found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode)
+    metrics = _metrics(config, found)
     summary = _summary(metrics)
     files = {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=config.seed)}
     return Result(
         metrics,
         summary,
-        figures(found, error),
+        figures(found),
         lambda path: record(path, config.robot, found.episode, summary, config.seed),
         files,
     )
@@ -163,24 +139,16 @@ def _eyes(config: Config) -> LookingMind:
         return learn_to_look(body, config.babbling_minutes, config.seed, lambda done, mind: report(done))
 
 
-def _metrics(
-    config: Config,
-    found: Found,
-    gaze: GazeReader,
-    calibration: float,
-    likes: Preferences,
-    looked: FloatArray,
-    target: NDArray[np.int64],
-    mind: LookingMind,
-) -> dict[str, Any]:
+def _metrics(config: Config, found: Found) -> dict[str, Any]:
+    looked, gaze = found.trials.looked, found.who.gaze
     gain = found.preferred.right.astype(float) - found.alone.right.astype(float)
     half = 1.96 * gain.std(ddof=1) / np.sqrt(len(gain))
-    prior = likes.prior(PAIR, np.ones(2))
+    prior = found.likes.prior(PAIR, np.ones(2))
     return {
         "robot": config.robot,
-        "babbling_body_minutes": mind.minutes,
+        "babbling_body_minutes": found.who.eyes.minutes,
         "gaze_trials": len(found.clear.right),
-        "gaze_accuracy": float((looked[:, 0] == target).mean()),
+        "gaze_accuracy": float((looked[:, 0] == found.trials.target).mean()),
         "gaze_inferred_accuracy": float(found.clear.right.mean()),
         "gaze_looked_px": float(np.nanmedian(looked[:, 1])),
         "gaze_ambiguous_trials": len(gain),
@@ -190,7 +158,7 @@ def _metrics(
         "gaze_preference_margin_95": [float(gain.mean() - half), float(gain.mean() + half)],
         "gaze_learned_preference": float(prior[1]),
         "gaze_calibration_trials": int(found.calibration[:, 2].sum()),
-        "gaze_calibration_error": calibration,
+        "gaze_calibration_error": found.calibration_error,
         "gaze_calibration_bins": found.calibration,
         "gaze_learned_origin": gaze.origin,
         "gaze_learned_spread_deg": np.rad2deg(np.sqrt(np.diag(gaze.covariance))),

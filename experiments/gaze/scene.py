@@ -5,12 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.sight import LookingMind
-from experiments.gaze.trials import TOYS, Scene, table_body, toys_seen
+from experiments.gaze.trials import TOYS, Follower, table_body, toys_seen
 from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
-from imitation.gaze.reader import GazeReader, Preferences
-from imitation.seeing.pose import Appearance, LiveWatch, frame_pose
+from imitation.gaze.reader import Preferences
+from imitation.seeing.pose import LiveWatch, frame_pose
 from models.biclops.gaze import lay_out, look_at
 from models.biclops.movements import through
 from models.biclops.room import wear_cloth
@@ -50,17 +49,9 @@ class Episode(NamedTuple):
     """(G, 2) the poses that Eq. (1) expects for each toy, "like me"."""
 
 
-def episode(
-    scene: Scene,
-    mind: LookingMind,
-    appearance: Appearance,
-    gaze: GazeReader,
-    head: FloatArray,
-    layout: FloatArray | None,
-    target: int,
-    seed: int,
-) -> Episode:
+def episode(who: Follower, layout: FloatArray | None, target: int, seed: int) -> Episode:
     """One teacher, one look."""
+    scene, mind, appearance, head, gaze = who
     rng = np.random.default_rng([seed, 0xE91])
     body = table_body(scene, 1, seed + 21, FRAME_S)
     wear_cloth(body.model, None)

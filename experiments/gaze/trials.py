@@ -51,6 +51,17 @@ class Scene:
         return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
 
 
+class Follower(NamedTuple):
+    """Who follows gaze: what it has learned of its own eyes, of heads, and of where others look."""
+
+    scene: Scene
+    eyes: LookingMind
+    appearance: Appearance
+    head: FloatArray
+    """(3,) place of the other's face, in units of the distance between the eyes."""
+    gaze: GazeReader
+
+
 class Trials(NamedTuple):
     """N trials of G toys; for those who judge and for those who infer."""
 
@@ -105,9 +116,7 @@ def toys_seen(
 
 def run_trials(
     body: SeeingBody,
-    scene: Scene,
-    mind: LookingMind,
-    appearance: Appearance,
+    who: Follower,
     count: int,
     rng: np.random.Generator,
     *,
@@ -122,6 +131,7 @@ def run_trials(
 
     With `follow`, which toy of each trial the teacher is thought to look at, the imitator looks there.
     """
+    scene = who.scene
     wear_cloth(body.model, cloth)
     batches: list[Trials] = []
     copies, share = body.copies, np.full(len(toys), 1 / len(toys)) if preference is None else np.array(preference)
@@ -136,8 +146,8 @@ def run_trials(
         body.teacher_path = still(aim + np.deg2rad(scene.aim_deg) * rng.standard_normal((copies, 2)))
         body.seed += 1
         senses = body.reset()
-        things, area = toys_seen(body, senses, mind, toys)
-        poses = [frame_pose(appearance, face) for face in face_numbers(body, senses)]
+        things, area = toys_seen(body, senses, who.eyes, toys)
+        poses = [frame_pose(who.appearance, face) for face in face_numbers(body, senses)]
         batch = Trials(
             places, target, body.teacher_angles, things, np.sqrt(np.maximum(area, 1.0)),
             pose=np.array([np.full(2, np.nan) if pose is None else pose for pose in poses]),
@@ -147,7 +157,7 @@ def run_trials(
             image=batches[0].image if batches else body.images[0],
         )  # fmt: skip
         if follow is not None:
-            batch = batch._replace(looked=_look(body, mind, follow(batch), toys, senses, rng))
+            batch = batch._replace(looked=_look(body, who.eyes, follow(batch), toys, senses, rng))
         batches.append(batch)
         report(min((done + copies) / count, 1.0))
     wear_cloth(body.model, None)
@@ -184,11 +194,6 @@ def geometry(mind: LookingMind) -> Geometry:
     return Geometry(float(abs(moved[0, 1] - moved[1, 1]) / (2 * step)))
 
 
-def reader(mind: LookingMind) -> GazeReader:
-    """A reader of gaze that has been shown nothing yet."""
-    return GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), geometry(mind), WATCH_TILT)
-
-
 def head_place(where: Geometry, place: FloatArray, tilt: FloatArray, centre: FloatArray) -> FloatArray:
     """(3,) the middle of what is seen of resting faces, features at (N, K, 2, 2) pixels: their mean place."""
     places = where.locate(place.reshape(*place.shape[:2], 4) - centre, tilt[:, None])
@@ -200,21 +205,25 @@ def located(trials: Trials, where: Geometry) -> FloatArray:
     return where.locate(trials.things, trials.tilt[:, None])
 
 
-def shown(trials: Trials, where: Geometry, head: FloatArray) -> Shown:
-    """What can be learned from trials whose goal was taken up afterwards."""
-    places = located(trials, where)[np.arange(len(trials.target)), trials.target]
+def shown(who: Follower, trials: Trials) -> Follower:
+    """One who has learned from trials whose goal was taken up afterwards."""
+    places = located(trials, who.gaze.geometry)[np.arange(len(trials.target)), trials.target]
     use = np.isfinite(places).all(1) & np.isfinite(trials.pose).all(1)
-    return Shown(places[use], np.tile(head, (int(use.sum()), 1)), trials.pose[use])
+    goals = Shown(places[use], np.tile(who.head, (int(use.sum()), 1)), trials.pose[use])
+    return who._replace(gaze=who.gaze.learned(goals))
 
 
 def lesson_for_gaze(
-    scene: Scene, mind: LookingMind, count: int, seed: int, report: Callable[[float], None] = lambda done: None
-) -> tuple[Appearance, FloatArray]:
+    scene: Scene, mind: LookingMind, count: int, seed: int, report: Callable[[float], None]
+) -> Follower:
     """Being mirrored while looking at face and table: what heads at postures look like, and where the face is."""
     body = table_body(scene, COPIES, seed, TURN_S)
     body.teacher_path = still(np.zeros((COPIES, 2)))
     senses = body.reset()
     tilt = body.senses.read(senses, "angle", ("tilt",))[:, 0]
-    head = head_place(geometry(mind), body.senses.read(senses, "place", FACE), tilt, mind.pilot.retina.centre)
+    where = geometry(mind)
+    head = head_place(where, body.senses.read(senses, "place", FACE), tilt, mind.pilot.retina.centre)
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
-    return mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report), head
+    appearance = mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
+    naive = GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), where, WATCH_TILT)
+    return Follower(scene, mind, appearance, head, naive)
