@@ -7,7 +7,7 @@ image becomes positions is given from outside (`perceive`): a body has retinas, 
 
 import hashlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from typing import Protocol
@@ -136,6 +136,11 @@ class SeeingBody:
         if body < 0:
             raise BodyError(f"{ball!r} cannot be moved: it is no ball and no card")
         self.whole.batch.mocap_pos[:, body] = np.asarray(positions) + np.array(self.facts.table)
+
+    def whereabouts(self, shapes: Sequence[str]) -> FloatArray:
+        """(K, 3) m where these shapes of copy 0 are, in the table's frame; for stage directions."""
+        data = self._view(0)
+        return np.array([data.geom(shape).xpos for shape in shapes]) - np.array(self.facts.table)
 
     def reset(self) -> FloatArray:
         """All heads to rest; (B, S) sensations. Balls stay; pixel noise starts over."""

@@ -6,6 +6,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from experiments.head.distractor import INKS as WAYS
+from experiments.head.distractor import Crossed
 from experiments.head.found import Performed, Seen
 from experiments.shared.caregiver import FACE
 from experiments.shared.judging import rmse_deg
@@ -18,11 +20,15 @@ from models.biclops.movements import TICK_S
 RAW = "#bbbbbb"
 
 
-def figures(appearance: Appearance, seen: list[Seen], performed: list[Performed]) -> dict[str, Figure]:
+def figures(
+    appearance: Appearance, seen: list[Seen], performed: list[Performed], crossed: Crossed | None
+) -> dict[str, Figure]:
     """All of them, by file stem."""
     drawn = {"movement": movement(seen[0], performed[0]), "appearance": looks(appearance)}
     if len(seen) > 1:
         drawn["errors"] = errors(seen, performed)
+    if crossed is not None:
+        drawn["distractor"] = distractor(crossed)
     return drawn
 
 
@@ -52,6 +58,36 @@ def movement(one: Seen, done: Performed) -> Figure:
         away = np.hypot(*np.rad2deg(values - one.truth)[frames].T)
         panels[2].plot(time[frames], away, color=colour, lw=1.2, label=label)
     panels[2].set(yscale="log", ylim=(0.01, 30), ylabel="error [deg]", xlabel="s")
+    return figure
+
+
+def distractor(crossed: Crossed) -> Figure:
+    """Error of the pose by way of tracking, of every sequence and through the first one; the wrong things followed."""
+    figure = Figure(figsize=(11.5, 4.2), layout="constrained")
+    over, through, wrong = figure.subplots(1, 3, width_ratios=[1, 1.5, 0.8])
+    found = crossed.metrics
+    truth = crossed.truths[0]
+    frames = np.isfinite(truth[:, 0])
+    time = np.arange(len(truth), dtype=float) * TICK_S
+    passing = crossed.strays.when[0]
+    through.axvspan(
+        max(passing.min() - 1, 0), min(passing.max() + 1, time[-1]), color="#f0e6f5", lw=0, label="things cross"
+    )
+    for number, (name, ink) in enumerate(WAYS.items()):
+        each, interval = crossed.sequence_deg[name], found["distractor_interval_95_deg"][name]
+        over.plot(np.full(len(each), number), each, ".", color=ink, alpha=0.6)
+        over.plot(number, found["distractor_rmse_deg"][name], "_", color=ink, ms=22, mew=2.5)
+        if interval is not None:
+            over.plot([number, number], interval, color=ink, lw=1.5)
+        away = np.hypot(*np.rad2deg(crossed.kept[name][0].watched.pose - truth)[frames].T)
+        through.plot(time[frames], np.maximum(away, 1e-3), color=ink, lw=1.2, label=name)
+        wrong.bar(number, 100 * (found["distractor_wrong_share"][name] or 0.0), color=ink)
+    over.set(yscale="log", ylabel="pose error, RMS [deg]", title="every sequence")
+    through.set(yscale="log", xlabel="s", ylabel="pose error [deg]", title="the first one")
+    through.legend(fontsize=7, frameon=False, ncols=2)
+    wrong.set(ylabel="wrong thing followed [% of sightings]", title="parts of the face")
+    for axes in (over, wrong):
+        axes.set_xticks(range(len(WAYS)), [*WAYS], rotation=30, ha="right")
     return figure
 
 

@@ -26,6 +26,8 @@ class Config(EyeOptions):
     """Imitate from the memory file that an earlier run left (its mind.nc beside it), without a teacher."""
     distance: Annotated[float, within(0.4, 1.2, "m, where a face is made out")] = 0.7
     """m between the heads."""
+    distractor: bool = False
+    """Things of the face's own colours cross the view; Kalman, particles and simpler ways of tracking are compared."""
     occlusion_s: Annotated[float, within(0, 3, "seconds")] = 0.3
     """How long a card hides the face, somewhere in each sequence; 0 for none."""
     babbling_minutes: Minutes = 8.0

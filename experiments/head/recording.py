@@ -3,15 +3,18 @@
 from pathlib import Path
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from experiments.head.distractor import BALLS, INKS, Crossed
 from experiments.head.found import Performed, Seen
 from experiments.head.options import Config
 from experiments.shared import views
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search, Sequences
-from experiments.shared.eyes_recording import log_eyes, log_head, log_stage
-from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, REPLAYED
+from experiments.shared.eyes_recording import log_balls, log_eyes, log_head, log_points, log_rings, log_stage
+from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
 from experiments.shared.recording import log_series, recording
 from imitation.head_memory import HeadMemory
 from imitation.seeing.pose import Appearance
@@ -30,7 +33,14 @@ PLACES = {ball.name: np.array(ball.position) for ball in TOYS_OF_ANOTHER_ROOM}
 
 
 def record(
-    path: Path, config: Config, sequences: Sequences, appearance: Appearance, one: Seen, done: Performed, summary: str
+    path: Path,
+    config: Config,
+    sequences: Sequences,
+    appearance: Appearance,
+    one: Seen,
+    done: Performed,
+    crossed: Crossed | None,
+    summary: str,
 ) -> None:
     """Write the recording of one sequence."""
     every = round(FRAME_S / TICK_S)
@@ -55,6 +65,25 @@ def record(
         log_series(stream, "seen/numbers", used, FRAME_S, "numbers used", ESTIMATED)
         error = np.rad2deg(np.hypot(*(done.imitated[frames] - truth).T))
         log_series(stream, "error/imitated", error, FRAME_S, "imitated [deg]", IMITATED)
+        if crossed is not None:
+            _record_strays(stream, crossed, frames, np.array(head_of(config.robot).table))
+
+
+def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray[np.intp], table: FloatArray) -> None:
+    """All that was found, where each filter believed the face's parts to be (rings of two standard deviations), the
+    things that crossed, and the error of the pose by way of tracking."""
+    found = crossed.strays.sightings[: len(frames), 0, ..., :2]  # (T, eyes, K, n, 2)
+    for i, eye in enumerate(views.EYES):
+        log_points(stream, f"eyes/{eye}/candidates", found[:, i].reshape(len(found), -1, 2), FRAME_S, FOUND, 0.4)
+        for name in ("kalman", "particles"):
+            kept = crossed.kept[name][0]
+            radii = 1.5 + 2.0 * kept.spread[:, i]
+            log_rings(stream, f"eyes/{eye}/{name}", kept.place[:, i], radii, FRAME_S, light(INKS[name]))
+    places = np.array([crossed.strays.places(frame * TICK_S)[0] for frame in frames])
+    log_balls(stream, "world/strays", BALLS, places + table, FRAME_S)
+    for name, runs in crossed.kept.items():
+        away = np.rad2deg(np.hypot(*(runs[0].watched.pose - crossed.truths[0])[frames].T))
+        log_series(stream, f"tracking/{name}", np.maximum(away, 1e-3), FRAME_S, name, light(INKS[name]))
 
 
 def _layout(config: Config) -> rrb.Horizontal:
@@ -63,7 +92,11 @@ def _layout(config: Config) -> rrb.Horizontal:
     more = rrb.Tabs(
         rrb.TimeSeriesView(name="error [deg]", origin="/error"),
         rrb.TimeSeriesView(name="numbers the filter used", origin="/seen"),
-        rrb.TimeSeriesView(name="each frame alone [deg]", contents=["/head/*/raw", "/head/*/demonstrated"]),
+        rrb.TimeSeriesView(
+            name="each frame alone [deg]",
+            contents=[f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")],
+        ),
+        *([rrb.TimeSeriesView(name="error by tracking [deg]", origin="/tracking")] if config.distractor else []),
         active_tab=0,
     )
     return views.beside(

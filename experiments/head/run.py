@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from babbling.mind import Mind, learn
 from babbling.storage import save_mind
 from experiments.head.alone import from_memory, nobody
+from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
 from experiments.head.found import Performed, Seen
 from experiments.head.options import Config
@@ -41,6 +42,8 @@ STUDY_SEQUENCES = 20
 MIND_COPIES = 32
 BEFORE = 0.5
 """Share of the way to the teacher at which the card passes."""
+IMITATED = "kalman"
+"""The way of tracking that is imitated from where things of the face's colours are about; all are measured."""
 
 
 def run(config: Config) -> Result:
@@ -62,19 +65,24 @@ def run(config: Config) -> Result:
     with progress("babbling with the neck"):
         mind = learn(watching_body(config.robot, copies=MIND_COPIES), minutes=config.babbling_minutes, seed=config.seed)
     with progress("watching") as report:
-        sequences, paths = _watch(config, report)
+        sequences, paths, strays = _watch(config, report)
+    kept: dict[str, list[Kept]] = {}
+    if strays is not None:
+        with progress("tracking") as report:
+            kept = keep_all(strays, [len(p) for p in paths], config.height, appearance, config.seed, report)
     seen = []
     for b, path in enumerate(paths):
         count = len(path)
-        numbers = sequences.numbers[:count, b]
-        watched = watch(appearance, numbers, TICK_S)
+        numbers = kept[IMITATED][b].numbers if kept else sequences.numbers[:count, b]
+        watched = kept[IMITATED][b].watched if kept else watch(appearance, numbers, TICK_S)
         seen.append(Seen(path, sequences.truth[:count, b], numbers, sequences.hidden[:count, b], watched))
     performed = []
     with progress("imitating") as report:
         for b, one in enumerate(seen):
             performed.append(_perform(config, mind, one, config.seed + b))
             report((b + 1) / len(seen))
-    return _result(config, looked, appearance, mind, sequences, seen, performed)
+    crossed = None if strays is None else Crossed(strays, kept, [one.truth for one in seen], appearance, config.seed)
+    return _result(config, looked, appearance, mind, sequences, seen, performed, crossed)
 
 
 def _search(config: Config) -> Search:
@@ -83,7 +91,7 @@ def _search(config: Config) -> Search:
     return search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
 
 
-def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray]]:
+def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], Strays | None]:
     count = STUDY_SEQUENCES if config.study else config.sequences
     rng = np.random.default_rng([config.seed, 0x5E9])
     name = "random" if config.study else config.movement
@@ -92,8 +100,13 @@ def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray]]:
         Occlusion(float(rng.uniform(0.8, len(p) * TICK_S - 0.8)), config.occlusion_s, BEFORE * config.distance)
         for p in paths
     ]
-    body = opposite(config, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S)
-    return watch_teacher(body, paths, cards if config.occlusion_s > 0 else None, report), paths
+    balls = BALLS if config.distractor else ()
+    body = opposite(config, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S, balls=balls)
+    hidden = cards if config.occlusion_s > 0 else None
+    if not config.distractor:
+        return watch_teacher(body, paths, hidden, report), paths, None
+    strays = Strays(body, [len(p) * TICK_S for p in paths], np.random.default_rng([config.seed, 0x57A]))
+    return watch_teacher(body, paths, hidden, report, move=strays.move, note=strays.note), paths, strays
 
 
 def within_reach(path: FloatArray, robot: str) -> FloatArray:
@@ -138,6 +151,7 @@ def _result(
     sequences: Sequences,
     seen: list[Seen],
     performed: list[Performed],
+    crossed: Crossed | None,
 ) -> Result:
     truth, hidden = (np.concatenate([getattr(one, kind) for one in seen]) for kind in ("truth", "hidden"))
     pose, live, raw = (np.concatenate([getattr(one.watched, kind) for one in seen]) for kind in ("pose", "live", "raw"))
@@ -165,12 +179,14 @@ def _result(
         "head_raw_replay_rmse_deg": rmse_deg(replayed, truth),
         "deferred": config.deferred,
     }
-    summary = _summary(config, metrics)
+    if crossed is not None:
+        metrics |= crossed.metrics
+    summary = _summary(config, metrics) + ("" if crossed is None else crossed.summary)
     return Result(
         metrics,
         summary,
-        figures(appearance, seen, performed),
-        lambda path: record(path, config, sequences, appearance, seen[0], performed[0], summary),
+        figures(appearance, seen, performed, crossed),
+        lambda path: record(path, config, sequences, appearance, seen[0], performed[0], crossed, summary),
         {
             "memory.nc": lambda path: save_head_memory(remembered(config, seen[0], config.movement), path),
             "mind.nc": lambda path: save_mind(mind, path, robot=config.robot),

@@ -1,6 +1,6 @@
 """A caregiver opposite: the lesson in which it mirrors the imitator, and the watching of what it does."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,6 +11,7 @@ from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Measurer
 from imitation.seeing.pose import Appearance
+from models.biclops.room import Ball
 from models.heads import CARD, PARKED
 from models.retina import Image
 from models.robots import EYE_HEIGHT
@@ -50,11 +51,13 @@ def opposite(
     distance: float,
     tick_s: float,
     teacher: bool = True,
+    balls: Sequence[Ball] = (),
 ) -> SeeingBody:
     """Heads with a teacher before them."""
     return open_eyes(
-        eyes, Measurer(FACE), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher, distance=distance, card=True
-    )
+        eyes, Measurer(FACE), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher, distance=distance, card=True,
+        balls=balls,
+    )  # fmt: skip
 
 
 def face_numbers(body: SeeingBody, senses: FloatArray) -> FloatArray:
@@ -133,13 +136,20 @@ def watch_teacher(
     paths: list[FloatArray],
     occlusions: list[Occlusion] | None,
     report: Callable[[float], None] = lambda done: None,
+    *,
+    move: Callable[[float], None] = lambda time_s: None,
+    note: Callable[[], None] = lambda: None,
 ) -> Sequences:
-    """Every copy watches its own teacher perform one of the (T_b, 2) paths of 20 ms ticks; the shorter ones wait."""
+    """Every copy watches its own teacher perform one of the (T_b, 2) paths of 20 ms ticks; the shorter ones wait.
+
+    What else is there is moved before each look (`move`, told the time), and what else is found noted after (`note`).
+    """
     longest = max(map(len, paths))
     longest += longest % 2
     padded = np.stack([np.pad(p, ((0, longest - len(p)), (0, 0)), mode="edge") for p in paths], axis=1)
     inner = round(body.tick_s / 0.02)
     body.teacher_path = lambda t: padded[min(round(t / 0.02), longest - 1)]
+    move(0.0)
     senses = body.reset()
     rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
     width = face_numbers(body, senses).shape[1]
@@ -150,9 +160,11 @@ def watch_teacher(
             for_cards = [o.place(tick * 0.02) for o in occlusions] if occlusions else [PARKED] * body.copies
             body.place(CARD, np.array(for_cards))
             hidden[tick : tick + inner] = [place != PARKED for place in for_cards]
+            move(tick * 0.02)
             senses = body.act(rest)
         numbers[tick], truth[tick] = face_numbers(body, senses), body.teacher_angles
         images.append(body.images[0])
+        note()
         report((tick + 1) / longest)
     body.place(CARD, np.array(PARKED))
     return Sequences(numbers, truth, images, hidden)

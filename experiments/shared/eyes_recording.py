@@ -11,6 +11,7 @@ from PIL import Image as Picture
 from experiments.shared.palette import DEMONSTRATED, EXPECTED, FOUND, IMITATED, Light
 from experiments.shared.recording import log_body, log_series, ticks
 from experiments.shared.views import AXES, EYES
+from models.biclops.room import Ball
 from models.onlooker import Onlooked
 
 FloatArray = NDArray[np.float64]
@@ -80,6 +81,36 @@ def log_points(
     flat = np.concatenate(rows) if sum(map(len, rows)) else np.zeros((0, 2))
     columns = rr.Points2D.columns(positions=flat).partition([len(row) for row in rows])
     stream.send_columns(entity, ticks(len(rows), tick_s), columns)
+
+
+def log_rings(
+    stream: rr.RecordingStream,
+    entity: str,
+    centres: FloatArray,
+    radii: FloatArray,
+    tick_s: float,
+    colour: Light,
+) -> None:
+    """(T, K, 2) pixels and (T, K) radii, NaN for none: circles that come and go."""
+    stream.log(entity, rr.LineStrips2D.from_fields(colors=[colour], radii=[0.25], draw_order=9.0), static=True)
+    turn = np.linspace(0.0, 2.0 * np.pi, 25)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    rings = centres[:, :, None] + radii[:, :, None, None] * circle + 0.5  # (T, K, 25, 2)
+    there = np.isfinite(rings).all((2, 3))
+    columns = rr.LineStrips2D.columns(strips=list(rings[there])).partition(there.sum(1))
+    stream.send_columns(entity, ticks(len(rings), tick_s), columns)
+
+
+def log_balls(
+    stream: rr.RecordingStream, entity: str, balls: Sequence[Ball], places: FloatArray, tick_s: float
+) -> None:
+    """Balls at (T, K, 3) places of the world."""
+    for ball, way in zip(balls, np.moveaxis(places, 1, 0), strict=True):
+        shape = rr.Ellipsoids3D(
+            half_sizes=[np.repeat(ball.radius, 3)], fill_mode="solid", colors=[tuple(int(255 * c) for c in ball.rgb)]
+        )
+        stream.log(f"{entity}/{ball.name}", shape, static=True)
+        stream.send_columns(f"{entity}/{ball.name}", ticks(len(way), tick_s), rr.Transform3D.columns(translation=way))
 
 
 def log_stage(stream: rr.RecordingStream, seen: Onlooked, tick_s: float) -> None:

@@ -1,4 +1,4 @@
-"""From pixels to features: where coloured things are on an image, how large, and, with two eyes, how far.
+"""From pixels to features: where coloured things are on an image, and how large.
 
 Colour without brightness: of a pixel (r, g, b) only its *opponent* part counts, the two coordinates of its projection
 along the grey axis (1, 1, 1). Light and shade scale it, grey adds nothing to it, so a pixel that a thing covers by the
@@ -6,14 +6,13 @@ fraction a shows a times the thing's opponent colour on any grey ground: that ma
 Positions: u = column to the right, v = row downwards, whole numbers at pixel centres.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
-from scipy.optimize import linear_sum_assignment
 
 from imitation.errors import ImitationError
 
@@ -67,25 +66,6 @@ class Feature(NamedTuple):
     """False when it touches the image's border: then its centroid is that of the part that shows."""
 
 
-class StereoFeature(NamedTuple):
-    """One thing seen by both eyes."""
-
-    left: Feature
-    right: Feature
-    disparity: float
-    """u_left - u_right, pixels, positive."""
-
-
-def opponent(image: npt.NDArray[np.uint8]) -> FloatArray:
-    """Opponent colour (height, width, 2) of an image (height, width, 3), in levels.
-
-    Raises:
-        ImitationError: not a colour image of eight-bit levels.
-    """
-    _check_image(image)
-    return np.asarray(image.reshape(-1, 3) @ _OPPONENT).reshape(*image.shape[:2], 2)
-
-
 def _check_image(image: npt.NDArray[np.uint8]) -> None:
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8:
         raise ImitationError(f"an image is (height, width, 3) of uint8; this has shape {image.shape} of {image.dtype}")
@@ -136,46 +116,6 @@ def find_features(
                 )
         found += sorted(mine, key=lambda feature: -feature.area)
     return tuple(found)
-
-
-def match_stereo(
-    left: Iterable[Feature], right: Iterable[Feature], *, row_tolerance: float = 2.0
-) -> tuple[StereoFeature, ...]:
-    """Pairs the features of two level eyes: same label, same row within `row_tolerance` pixels, positive disparity.
-
-    Of several candidates the assignment with the least sum of row differences and |log area ratios| wins.
-    """
-    pairs = []
-    left, right = tuple(left), tuple(right)
-    for label in dict.fromkeys(feature.label for feature in left):
-        ours = [feature for feature in left if feature.label == label]
-        theirs = [feature for feature in right if feature.label == label]
-        if not theirs:
-            continue
-        a, b = np.array([f[1:4] for f in ours]), np.array([f[1:4] for f in theirs])
-        row = np.abs(a[:, None, 1] - b[None, :, 1])
-        cost = row + np.abs(np.log(a[:, None, 2] / b[None, :, 2]))
-        possible = (row <= row_tolerance) & (a[:, None, 0] > b[None, :, 0])
-        for i, j in zip(*linear_sum_assignment(np.where(possible, cost, 1e6)), strict=True):
-            if possible[i, j]:
-                pairs.append(StereoFeature(ours[i], theirs[j], ours[i].u - theirs[j].u))
-    return tuple(pairs)
-
-
-def locate(pair: StereoFeature, *, focal_px: float, baseline: float, width: int, height: int) -> FloatArray:
-    """Where a stereo pair is: (x forward, y left, z up) from the point midway between the eyes, in baseline's unit.
-
-    Depth is x = focal_px baseline / disparity; an error of d pixels in disparity is one of x^2 d / (focal_px baseline).
-    """
-    depth = focal_px * baseline / pair.disparity
-    across = 0.5 * (pair.left.u + pair.right.u) - 0.5 * (width - 1)
-    down = 0.5 * (pair.left.v + pair.right.v) - 0.5 * (height - 1)
-    return np.array([depth, -depth * across / focal_px, -depth * down / focal_px])
-
-
-def salience(features: Iterable[Feature]) -> FloatArray:
-    """How much each feature draws the eye, (n,), unnormalised: contrast times the square root of area."""
-    return np.array([feature.contrast * np.sqrt(feature.area) for feature in features])
 
 
 def _hues(palette: Mapping[str, Colour]) -> FloatArray:

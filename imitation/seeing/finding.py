@@ -1,4 +1,4 @@
-"""What is worth telling of an image: one place for each colour of a palette."""
+"""What is worth telling of an image: one place for each colour of a palette, or all that might be one."""
 
 from collections.abc import Sequence
 
@@ -12,18 +12,28 @@ EVEN_SHARE = 0.25
 """A second thing of the same colour, larger than this share of the first, makes its place doubtful: none is told."""
 
 
-def places(features: Sequence[Feature], labels: Sequence[str]) -> FloatArray:
-    """(K, 2) centroid of the one thing of each colour; NaN where there is none, several, or one cut by the border."""
-    found = np.full((len(labels), 2), np.nan)
-    for row, label in enumerate(labels):
+def candidates(features: Sequence[Feature], labels: Sequence[str], most: int = 2) -> FloatArray:
+    """(K, most, 3) u, v and area of things of each colour, larger ones first; NaN where there are fewer.
+
+    Of a thing cut by the border only the area is told: its centroid is that of the part that shows.
+    """
+    found = np.full((len(labels), most, 3), np.nan)
+    for row, label in zip(found, labels, strict=True):
         mine = [feature for feature in features if feature.label == label]
-        if mine and mine[0].whole and all(other.area < EVEN_SHARE * mine[0].area for other in mine[1:]):
-            found[row] = mine[0].u, mine[0].v
+        for place, one in zip(row, mine, strict=False):
+            place[:] = (one.u, one.v, one.area) if one.whole else (np.nan, np.nan, one.area)
     return found
 
 
+def alone(found: FloatArray) -> FloatArray:
+    """(..., 3) the one thing among (..., most, 3) `candidates`; NaN where there is none, several, or one cut off."""
+    first, second = found[..., 0, :], found[..., 1, :]
+    doubtful = np.isnan(first[..., 0]) | (second[..., 2] >= EVEN_SHARE * first[..., 2])
+    return np.where(doubtful[..., None], np.nan, first)
+
+
 class Finder:
-    """Images to places of the colours in `labels`; see `places`. Specks under `least_area` square pixels are nothing:
+    """Images to places of the colours in `labels`; see `alone`. Specks under `least_area` square pixels are nothing:
     where toys are known to be larger, the rim of one thing in front of another is not taken for a third.
     """
 
@@ -34,7 +44,7 @@ class Finder:
 
     def __call__(self, image: NDArray[np.uint8]) -> FloatArray:
         """(H, W, 3) bytes to (K, 2) pixels."""
-        return places(find_features(image, least_area=self.least_area), self.labels)
+        return alone(candidates(find_features(image, least_area=self.least_area), self.labels))[:, :2]
 
 
 class Measurer:
@@ -47,10 +57,4 @@ class Measurer:
 
     def __call__(self, image: NDArray[np.uint8]) -> FloatArray:
         """(H, W, 3) bytes to (K, 3) pixels, pixels, square pixels."""
-        features = find_features(image)
-        found = places(features, self.labels)
-        area = np.full(len(self.labels), np.nan)
-        for row, label in enumerate(self.labels):
-            if np.isfinite(found[row, 0]):
-                area[row] = next(feature.area for feature in features if feature.label == label)
-        return np.concatenate([found, area[:, None]], axis=1)
+        return alone(candidates(find_features(image), self.labels))

@@ -74,6 +74,10 @@ class LookAlike(NamedTuple):
     """Frames it was seen in; from `CONFIRMED` on it competes for detections."""
     unseen: int
     """Frames since."""
+    age: int
+    """Frames since the first of them."""
+    place: int
+    """Which detection of this frame it explains; -1 for none."""
 
 
 class Track(NamedTuple):
@@ -127,7 +131,8 @@ def follow(
     system = options.system
     belief = _ahead(track.belief, options, rng)
     others = [
-        other._replace(belief=predict(system, other.belief), unseen=other.unseen + 1) for other in track.look_alikes
+        LookAlike(predict(system, other.belief), other.sightings, other.unseen + 1, other.age + 1, -1)
+        for other in track.look_alikes
     ]
     predicted = belief.mean[:2]
 
@@ -139,30 +144,31 @@ def follow(
     doubtful = track.unseen_s > DOUBT_FRAMES * options.dt
     if not doubtful:
         belief, share[free] = _look(belief, seen[free], options, rng)
-    known = [_meet(other, seen[owner == k], system) for k, other in enumerate(known, start=1)]
+    known = [_meet(other, seen, np.flatnonzero(owner == k), system) for k, other in enumerate(known, start=1)]
 
     rest = np.flatnonzero((owner <= 0) & (share < 0.5))
     owner = _assign([other.belief for other in fresh], seen[rest], options)
-    fresh = [_meet(other, seen[rest[owner == k]], system) for k, other in enumerate(fresh)]
-    fresh += [LookAlike(_new(place, options), 1, 0) for place in seen[rest[owner < 0]]]
-    if doubtful:
-        back = _reappeared(belief, fresh, options)
-        if back >= 0:
-            share[rest[owner == back]] = 1.0
-            belief = _adopt(belief, fresh.pop(back).belief, rng)
+    fresh = [_meet(other, seen, rest[owner == k], system) for k, other in enumerate(fresh)]
+    fresh += [LookAlike(_new(seen[place], options), 1, 0, 0, int(place)) for place in rest[owner < 0]]
     patience = round(options.forget_s / options.dt)
     kept = [other for other in known if other.unseen <= patience] + [other for other in fresh if other.unseen <= 1]
+    if doubtful:
+        back = _reappeared(belief, kept, round(track.unseen_s / options.dt), options)
+        if back >= 0:
+            share[kept[back].place] = 1.0
+            belief = _adopt(belief, kept.pop(back).belief, rng)
 
     hidden = float(1.0 - share.sum())
     unseen = 0.0 if hidden < 0.5 else track.unseen_s + options.dt
     return Track(belief, tuple(kept), unseen), TrackInfo(predicted, share, hidden)
 
 
-def _reappeared(belief: Belief | pf.Particles, fresh: list[LookAlike], options: TrackOptions) -> int:
-    """Which just confirmed newcomer is the likeliest to be the hidden thing; -1 for none within its gate."""
-    places = np.stack([other.belief.mean[:2] for other in fresh]) if fresh else np.zeros((0, 2))
+def _reappeared(belief: Belief | pf.Particles, others: list[LookAlike], frames: int, options: TrackOptions) -> int:
+    """Which confirmed newcomer is the likeliest to be the thing that has been hidden for so many frames; -1 for none
+    within its gate. What was already there when the thing vanished is another one."""
+    places = np.stack([other.belief.mean[:2] for other in others]) if others else np.zeros((0, 2))
     value = _log_density(belief, places, options)
-    value[[other.sightings < CONFIRMED or other.unseen > 0 for other in fresh]] = -np.inf
+    value[[other.sightings < CONFIRMED or other.place < 0 or other.age > frames for other in others]] = -np.inf
     return int(value.argmax()) if np.isfinite(value).any() else -1
 
 
@@ -253,8 +259,9 @@ def _assign(beliefs: list[Belief | pf.Particles], seen: FloatArray, options: Tra
     return owner
 
 
-def _meet(other: LookAlike, places: FloatArray, system: System) -> LookAlike:
-    """A look-alike after the detection assigned to it (1, 2), or none (0, 2)."""
-    if not len(places):
+def _meet(other: LookAlike, seen: FloatArray, mine: npt.NDArray[np.intp], system: System) -> LookAlike:
+    """A look-alike after this frame; `mine` is the index of the detection assigned to it, or empty."""
+    if not len(mine):
         return other
-    return LookAlike(update(system, other.belief, places[0])[0], other.sightings + 1, 0)
+    place = int(mine[0])
+    return LookAlike(update(system, other.belief, seen[place])[0], other.sightings + 1, 0, other.age, place)

@@ -8,8 +8,7 @@ from experiments.errors import ExperimentError
 from experiments.saccades.run import Config, run
 from experiments.shared.eyes import APART, TOYS, learn_to_look, nursery, retina_of, toy_places
 from experiments.shared.options import EyeOptions
-from imitation.seeing.features import Feature
-from imitation.seeing.finding import Finder, places
+from imitation.seeing.finding import Finder
 from models.biclops import SCENE
 from models.errors import BodyError
 from models.heads import stage
@@ -63,17 +62,6 @@ def test_toys_hang_apart() -> None:
     ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
     cosine = np.einsum("ibk,jbk->bij", ways, ways)[:, ~np.eye(len(TOYS), dtype=bool)]
     assert cosine.max() < np.cos(APART)
-
-
-def test_a_doubtful_or_cut_thing_has_no_place() -> None:
-    def thing(label: str, area: float, whole: bool = True) -> Feature:
-        return Feature(label, 10.0, 20.0, area, 100.0, whole)
-
-    found = places(
-        (thing("red", 30), thing("blue", 30), thing("blue", 20), thing("cyan", 30, False)),
-        ("red", "blue", "cyan", "lime"),
-    )
-    np.testing.assert_array_equal(np.isfinite(found[:, 0]), [True, False, False, False])
 
 
 def test_every_robot_has_a_fingerprint_of_its_own() -> None:

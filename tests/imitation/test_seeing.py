@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 
 from imitation.errors import ImitationError
-from imitation.seeing.features import COLOURS, Feature, find_features, locate, match_stereo, opponent, salience
+from imitation.gaze.reader import Geometry
+from imitation.seeing.features import COLOURS, Feature, find_features
 from models.biclops import facts
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
 from models.heads import stage
@@ -48,6 +49,13 @@ def test_two_percent_noise_adds_little_and_invents_nothing() -> None:
     assert np.hypot(*errors.T).mean() <= 0.15
 
 
+def _located(left: Feature, right: Feature, focal: float) -> np.ndarray:
+    """(3,) m ahead, left and up of the middle between the eyes."""
+    middle = np.array([WIDTH - 1, HEIGHT - 1]) / 2
+    things = np.array([left[1:3] - middle, right[1:3] - middle]).ravel()
+    return np.asarray(Geometry(focal).locate(things, 0.0) * facts.BASELINE)
+
+
 def _face(noise: float) -> tuple[list[tuple[Feature, ...]], mujoco.MjModel, mujoco.MjData]:
     model = stage("biclops", teacher=True, distance=0.8).compile()
     data = mujoco.MjData(model)
@@ -61,12 +69,12 @@ def _face(noise: float) -> tuple[list[tuple[Feature, ...]], mujoco.MjModel, mujo
 def test_a_face_is_found_in_both_eyes_and_in_depth(noise: float) -> None:
     (left, right), model, data = _face(noise)
     assert sorted(f.label for f in left) == sorted(f.label for f in right) == sorted(COLOUR_OF.values())
-    pairs = {pair.left.label: pair for pair in match_stereo(left, right)}
+    pairs = {f.label: (f, next(g for g in right if g.label == f.label)) for f in left}
     middle = (data.cam("left_eye").xpos + data.cam("right_eye").xpos) / 2
     focal = open_eye(model, "left_eye", RetinaOptions(WIDTH, HEIGHT)).focal_px
     for name in FEATURES:
         geom = f"{TEACHER}{FACE_PREFIX}{name}"
-        place = locate(pairs[COLOUR_OF[name]], focal_px=focal, baseline=facts.BASELINE, width=WIDTH, height=HEIGHT)
+        place = _located(*pairs[COLOUR_OF[name]], focal)
         # what shows of a geom is its near side, at most its size nearer than its centre
         np.testing.assert_allclose(place, data.geom(geom).xpos - middle, atol=0.01 + model.geom(geom).size.max())
 
@@ -94,8 +102,8 @@ def test_stereo_error_follows_the_disparity_law() -> None:
             data.mocap_pos[0] = x, y, 0.24
             mujoco.mj_forward(model, data)
             seen = [find_features(open_eye(model, f"{side}_eye").see(data)) for side in ("left", "right")]
-            (pair,) = match_stereo(*seen)
-            place = locate(pair, focal_px=focal, baseline=facts.BASELINE, width=WIDTH, height=HEIGHT)
+            (left,), (right,) = seen
+            place = _located(left, right, focal)
             errors.append(place - data.mocap_pos[0] + [0, 0, facts.PAN_HEIGHT + facts.CAMERA_HEIGHT])
         depth_error = np.sqrt(np.mean(np.square(errors), axis=0))[0]
         assert depth_error < 0.25 * x**2 / (focal * facts.BASELINE)  # a quarter of a pixel of disparity
@@ -113,7 +121,6 @@ def test_what_is_absent_is_not_listed_and_what_is_cut_off_says_so() -> None:
     assert big[1:4] == pytest.approx((12.5, 27.5, 36.0))
     assert small.area == pytest.approx(4.0) and small.u == pytest.approx(30.5)
     assert [f.label for f in find_features(image, {"blue": COLOURS["blue"]})] == ["blue", "blue"]
-    assert salience((red, big, small)).argsort().tolist() == [2, 1, 0]
 
 
 @pytest.mark.parametrize("light", [0.35, 1.0])
@@ -126,21 +133,12 @@ def test_every_colour_is_known_by_its_name_in_light_and_shade(label: str, light:
     assert [f.label for f in find_features(noisy)] == [label]
 
 
-def test_grey_and_shade_are_invisible_to_opponent_colour() -> None:
-    image = np.array([[[90, 90, 90], [200, 40, 40], [100, 20, 20]]] * 3, np.uint8)
-    colour = opponent(image)[0]
-    np.testing.assert_allclose(colour[0], 0, atol=1e-12)
-    np.testing.assert_allclose(colour[1], 2 * colour[2])
-
-
-def test_stereo_pairs_the_right_ones() -> None:
-    def at(u: float, v: float, area: float, label: str = "red") -> Feature:
-        return Feature(label, u, v, area, 150.0, True)
-
-    left = [at(80, 40, 20), at(100, 40.5, 60), at(50, 90, 20), at(10, 10, 9, "blue")]
-    right = [at(84, 40.2, 58), at(70, 40.3, 21), at(60, 90, 20), at(5, 30, 9, "blue")]
-    pairs = match_stereo(left, right)
-    assert [(p.left.u, p.right.u) for p in pairs] == [(80, 70), (100, 84)]  # negative disparity, other row: no pair
+def test_grey_ground_is_nothing_and_shade_does_not_move_a_thing() -> None:
+    image = np.full((30, 30, 3), 90, np.uint8)
+    image[8:16, 8:12], image[8:16, 12:16] = (200, 40, 40), (100, 20, 20)  # half of it in shade
+    (found,) = find_features(image)
+    assert (found.u, found.v) == pytest.approx((11.5, 11.5), abs=0.02) and found.area == pytest.approx(64, rel=0.02)
+    assert find_features(np.random.default_rng(0).integers(60, 200, (30, 30, 1)).repeat(3, 2).astype(np.uint8)) == ()
 
 
 def test_wrong_images_and_palettes_are_refused_in_words() -> None:
