@@ -140,7 +140,7 @@ class SeeingBody:
     def whereabouts(self, shapes: Sequence[str]) -> FloatArray:
         """(K, 3) m where these shapes of copy 0 are, in the table's frame; for stage directions."""
         data = self._view(0)
-        return np.array([data.geom(shape).xpos for shape in shapes]) - np.array(self.facts.table)
+        return np.asarray([data.geom(shape).xpos - np.array(self.facts.table) for shape in shapes])
 
     def reset(self) -> FloatArray:
         """All heads to rest; (B, S) sensations. Balls stay; pixel noise starts over."""
