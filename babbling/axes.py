@@ -6,6 +6,7 @@ kept: it is the belief over discrete states that a sense leaves behind.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -90,16 +91,19 @@ class Axis:
         """Whether values are category numbers and assignment is hard."""
         return bool(self.labels)
 
-    @property
+    @cached_property
     def points(self) -> FloatArray:
         """(F, size) grid points, in the axis' unit."""
         points: FloatArray = np.linspace(self.low, self.high, self.size, axis=-1)
+        points.flags.writeable = False
         return points
 
-    @property
+    @cached_property
     def step(self) -> FloatArray:
         """(F,) distance between grid points, in the axis' unit (1 for categories)."""
-        return (self.high - self.low) / (self.size - 1) if not self.is_categorical else np.ones(self.factors)
+        step = (self.high - self.low) / (self.size - 1) if not self.is_categorical else np.ones(self.factors)
+        step.flags.writeable = False
+        return step
 
     def same(self, other: "Axis") -> bool:
         """Whether both are the very same grid."""
@@ -140,7 +144,7 @@ class Axis:
     def soft(self, values: ArrayLike) -> Soft:
         """Linear assignment of (..., F) values: mean-preserving inside the axis, the nearest end beyond it."""
         position = (np.asarray(values, float) - self.low) / self.step
-        inside = (position >= 0) & (position <= self.size - 1)
-        scaled = np.rint(np.clip(position, 0, self.size - 1) * UNIT).astype(np.int64)
+        clipped = np.minimum(np.maximum(position, 0), self.size - 1)
+        scaled = np.rint(clipped * UNIT).astype(np.int64)
         index = np.minimum(scaled // UNIT, self.size - 2)
-        return Soft(index, scaled - index * UNIT, inside)
+        return Soft(index, scaled - index * UNIT, position == clipped)

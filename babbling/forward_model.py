@@ -11,19 +11,19 @@ Counts are integers: models learned apart are merged by adding, exactly, in any 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import product
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from babbling.axes import UNIT, Axis, FloatArray, IntArray
+from babbling.axes import Axis, FloatArray, IntArray
+from babbling.counting import count_categories, count_softly, weight_bits
 from babbling.errors import BabblingError
-from babbling.grids import hat_mass, interpolate
+from babbling.grids import Cells, hat_mass, located
 from babbling.regression import SCALE, LinearFit, LinearGaussian
 
 _CHUNK = 1 << 16  # transitions per exact bincount: 2^16 x 2^36 < 2^53
-_BITS = UNIT.bit_length() - 1
 
 
 class ForwardModel:
@@ -35,7 +35,7 @@ class ForwardModel:
         outcome: the axis of what happens.
         factors: one label per factor, for people.
         prior_strength: pseudo-counts k of the linear-Gaussian prior; 0 for none (needed when an axis is categorical).
-        wiring: anything that says how senses and motors became factors, kept beside the counts (saved with them).
+        provenance: whose experience this is, kept beside the counts (saved with them).
     """
 
     def __init__(
@@ -60,8 +60,7 @@ class ForwardModel:
             raise BabblingError(
                 f"prior strength {prior_strength:g}: it must be >= 0, and 0 where an axis is categorical"
             )
-        self._bits = min(_BITS, 36 // soft) if soft else 0
-        self.unit = 1 << (self._bits * soft)
+        self.unit = 1 << (weight_bits(self.axes) * soft)
         self.counts: IntArray = np.zeros((len(self.factors), *(axis.size for axis in self.axes)), np.int64)
         self.outside = np.zeros(len(self.factors), np.int64)
         names = (*(axis.name for axis in self.axes),)
@@ -98,67 +97,20 @@ class ForwardModel:
         self._cache.clear()
 
     def _observe_categories(self, values: list[FloatArray]) -> None:
-        """What `_observe` does where every assignment is hard: one integer count, no moments but the sample size."""
-        rows, factors = values[0].shape
-        values = [v.reshape(-1) for v in values]  # NumPy runs along the last axis, and F is often 1
-        factor = np.tile(np.arange(factors), rows) if factors > 1 else None
-        missing = [np.isnan(v) for v in values if v.dtype.kind == "f"]
-        if any(m.any() for m in missing):
-            happened = ~np.logical_or.reduce(missing)
-            values = [v[happened] for v in values]
-            factor = factor[happened] if factor is not None else None
-        index: IntArray | None = factor
-        for axis, value in zip(self.axes, values, strict=True):
-            codes = axis.codes(value)
-            if index is None:
-                index = codes
-            else:
-                index = index * axis.size
-                index += codes
-        assert index is not None
-        self.add(np.bincount(index, minlength=self.counts.size).reshape(self.counts.shape))
+        """What `_observe` does where every assignment is hard: no moments but the sample size."""
+        self.add(count_categories(self.axes, values))
 
     def _observe(self, values: list[FloatArray]) -> None:
-        happened = ~np.isnan(values[0])
-        for v in values[1:]:
-            happened &= ~np.isnan(v)
+        happened = ~np.logical_or.reduce([np.isnan(v) for v in values])
         if not happened.all():
             values = [np.where(happened, v, axis.low) for v, axis in zip(values, self.axes, strict=True)]
         keep = happened.copy()
         for f in range(len(self.factors)):  # one factor's table and columns at a time stay in the cache
-            keep[:, f] &= self._count(f, [np.ascontiguousarray(v[:, f]) for v in values], happened[:, f])
+            columns = [np.ascontiguousarray(v[:, f]) for v in values]
+            counts, keep[:, f] = count_softly([axis.of(f) for axis in self.axes], columns, happened[:, f])
+            self.counts[f] += counts
         self.outside += (happened & ~keep).sum(0)
         self.moments.observe(np.stack(values, axis=-1), keep)
-
-    def _count(self, factor: int, columns: list[FloatArray], happened: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Soft-count (N,) columns of one factor; returns (N,) which of them lie on all axes."""
-        table = self.counts[factor]
-        shift = _BITS - self._bits
-        keep = happened
-        parts: list[tuple[tuple[IntArray, FloatArray | None], ...]] = []
-        stride = table.size
-        for axis, column in zip(self.axes, columns, strict=True):
-            stride //= axis.size
-            one = axis.of(factor)
-            if axis.is_categorical:
-                parts.append(((one.hard(column[:, None])[:, 0] * stride, None),))
-                continue
-            soft = one.soft(column[:, None])
-            keep = keep & soft.inside[:, 0]
-            upper = ((soft.weight[:, 0] + (1 << shift >> 1)) >> shift).astype(float)
-            index = soft.lower[:, 0] * stride
-            parts.append(((index, (1 << self._bits) - upper), (index + stride, upper)))
-        if not keep.all():
-            parts = [tuple((i[keep], None if w is None else w[keep]) for i, w in part) for part in parts]
-        total = np.zeros(table.size)
-        for corner in product(*parts):
-            index, weight = corner[0]
-            for i, w in corner[1:]:
-                index = index + i
-                weight = w if weight is None else (weight if w is None else weight * w)
-            total += np.bincount(index, weights=weight, minlength=table.size)
-        table += total.astype(np.int64).reshape(table.shape)
-        return keep
 
     def add(self, counts: IntArray) -> None:
         """Add visits counted before, `[factor, context..., action, outcome]`, where every axis is categorical.
@@ -219,8 +171,40 @@ class ForwardModel:
     @property
     def visits(self) -> FloatArray:
         """`[factor, context..., action]`: how often each row was tried (soft counts, as real numbers)."""
-        visits: FloatArray = self.counts.sum(-1) / self.unit
-        return visits
+        return self._cached("visits", lambda: self.counts.sum(-1) / self.unit)
+
+    @property
+    def by_outcome(self) -> FloatArray:
+        """`[factor, context..., outcome, action]`: `predictive`, laid out to be read backwards."""
+        return self._cached("by outcome", lambda: np.ascontiguousarray(np.swapaxes(self.predictive, -1, -2)))
+
+    @property
+    def mean(self) -> FloatArray:
+        """`[factor, context..., action]`: E[outcome | context, action] in the outcome's unit."""
+        return self._cached("mean", self._mean)
+
+    def _mean(self) -> FloatArray:
+        points = self.outcome.points.reshape(len(self.factors), *(1,) * (len(self.contexts) + 1), self.outcome.size)
+        mean: FloatArray = (self.predictive * points).sum(-1)
+        return mean
+
+    @property
+    def habits(self) -> FloatArray:
+        """`[factor, context..., action]`: P(action | context), how often each action was taken there.
+
+        Law: (visits + k g) / (sum of visits + k), with g the linear-Gaussian fit action = f(contexts) of the same
+        experience and k the prior strength: the learned prior over actions of Eq. (1) when there is no goal but to move
+        as one is used to. Where nothing was tried and k is 0 the row is zero.
+        """
+        return self._cached("habits", self._habits)
+
+    def _habits(self) -> FloatArray:
+        table = self.visits.copy()
+        if self.prior_strength > 0:
+            table += self.prior_strength * self._gaussian(self.action, self.contexts)
+        total = table.sum(-1, keepdims=True)
+        np.divide(table, total, out=table, where=total > 0)
+        return table
 
     def linear(self) -> LinearFit:
         """The least-squares line outcome = f(contexts, action) of the same experience."""
@@ -250,53 +234,17 @@ class ForwardModel:
             (np.clip(mean, low, high) - low) / step, np.broadcast_to(spread / step, mean.shape), target.size
         )
 
-    def habit(self, context: Sequence[ArrayLike]) -> FloatArray:
-        """P(action | context): how often each action was taken there, (..., F) values in, (..., F, A) out.
-
-        Law: (visits + k g) / (sum of visits + k), with g the linear-Gaussian fit action = f(contexts) of the same
-        experience and k the prior strength: the learned prior over actions of Eq. (1) when there is no goal but to move
-        as one is used to. Where nothing was tried and k is 0 the row is zero.
-        """
-        return interpolate(self.habits(), self.contexts, context)
-
-    def habits(self) -> FloatArray:
-        """`[factor, context..., action]`: the whole table behind `habit`."""
-        return self._cached("habit", self._habit)
-
-    def _habit(self) -> FloatArray:
-        table = self.visits.copy()
-        if self.prior_strength > 0:
-            table += self.prior_strength * self._gaussian(self.action, self.contexts)
-        total = table.sum(-1, keepdims=True)
-        np.divide(table, total, out=table, where=total > 0)
-        return table
+    def at(self, context: Sequence[ArrayLike]) -> "Rows":
+        """The rows of one (..., F) array per context axis: found once, asked as often as one likes."""
+        return Rows(self, located(len(self.factors), self.contexts, context))
 
     def likelihood(self, context: Sequence[ArrayLike], outcome: ArrayLike) -> FloatArray:
-        """P(outcome | context, every action): (..., F) values in, (..., F, A) out.
-
-        Soft assignment on both sides: the table is interpolated between the neighbouring contexts and outcomes.
-        Values off an axis are taken at its nearest end; see `inside`.
-        """
-        table = self._cached("by outcome", lambda: np.ascontiguousarray(np.swapaxes(self.predictive, -1, -2)))
-        return interpolate(table, (*self.contexts, self.outcome), (*context, outcome))
+        """(..., F, A): `Rows.backwards` of (..., F) values, wherever they lie."""
+        return self.at(context).backwards(outcome)[0]
 
     def expected(self, context: Sequence[ArrayLike], action: ArrayLike) -> FloatArray:
         """E[outcome | context, action] in the outcome's unit: (..., F) values in, (..., F) out."""
-        points = self.outcome.points.reshape(len(self.factors), *(1,) * (len(self.contexts) + 1), self.outcome.size)
-        table = self._cached("mean", lambda: (self.predictive * points).sum(-1))
-        return interpolate(table, (*self.contexts, self.action), (*context, action))
-
-    def familiarity(self, context: Sequence[ArrayLike]) -> FloatArray:
-        """How often each action was tried in this context: (..., F) values in, (..., F, A) visits out."""
-        return interpolate(self._cached("visits", lambda: self.visits), self.contexts, context)
-
-    def inside(self, context: Sequence[ArrayLike], outcome: ArrayLike) -> NDArray[np.bool_]:
-        """(..., F) whether context and outcome lie on their axes."""
-        ok = np.ones(np.shape(outcome), bool)
-        for axis, value in zip((*self.contexts, self.outcome), (*context, outcome), strict=True):
-            if not axis.is_categorical:
-                ok &= axis.soft(value).inside
-        return ok
+        return self.at(context).expected(action)
 
     def _cached(self, name: str, make: Callable[[], FloatArray]) -> FloatArray:
         if name not in self._cache:
@@ -304,6 +252,33 @@ class ForwardModel:
             table.flags.writeable = False
             self._cache[name] = table
         return self._cache[name]
+
+
+class Rows(NamedTuple):
+    """A forward model at some contexts; where these lie on their axes has been worked out."""
+
+    forward_model: ForwardModel
+    cells: Cells
+    """Where the (..., F) contexts lie."""
+
+    def backwards(self, outcome: ArrayLike) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """(..., F, A) P(outcome | context, every action) of (..., F) outcomes; (..., F) whether all lie on their axes.
+
+        Soft assignment on both sides: the table is interpolated between the neighbouring contexts and outcomes.
+        Values off an axis are taken at its nearest end.
+        """
+        there = self.cells.on(self.forward_model.outcome, outcome)
+        return there.read(self.forward_model.by_outcome), there.inside
+
+    def expected(self, action: ArrayLike) -> FloatArray:
+        """(..., F) E[outcome | context, action] of (..., F) actions."""
+        return self.cells.on(self.forward_model.action, action).read(self.forward_model.mean)
+
+    def familiarity(self, action: ArrayLike | None = None) -> FloatArray:
+        """(..., F, A) how often each action was tried here; (..., F) how often those nearest to `action` were."""
+        visits, axis = self.forward_model.visits, self.forward_model.action
+        cells = self.cells if action is None else self.cells.onto(axis, axis.hard(action))
+        return cells.read(visits)
 
 
 def same_axes(one: ForwardModel, other: ForwardModel) -> bool:

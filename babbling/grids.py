@@ -2,41 +2,65 @@
 
 import math
 from collections.abc import Sequence
-from itertools import product
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from babbling.axes import UNIT, Axis, FloatArray, IntArray
 
 
-def interpolate(table: FloatArray, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> FloatArray:
-    """Multilinear interpolation of `[factor, axes..., rest...]` at one (..., F) value per axis: (..., F, rest...).
+class Cells(NamedTuple):
+    """Where values lie on grids: the corners around each value, on n measured axes and any number of categorical ones.
 
-    Categorical axes are looked up, not interpolated; without any axis the table itself comes back.
+    Made from nothing by `located`, read as often as one likes.
     """
-    if not axes:
-        return table
-    corners: list[list[tuple[IntArray, FloatArray | None]]] = []
-    for axis, value in zip(axes, values, strict=True):
+
+    corner: IntArray
+    """(2 x n, ..., F) row of each corner in a table `[factor, axes...]` laid flat."""
+    shares: tuple[FloatArray, ...]
+    """(2, ..., F) for each measured axis: shares of its lower and upper grid point. A corner's is their product."""
+    inside: NDArray[np.bool_]
+    """(..., F) False where a value fell off its axis (it is then taken at the nearest end)."""
+    axes: int
+    """How many axes there are."""
+
+    def on(self, axis: Axis, values: ArrayLike) -> "Cells":
+        """The same places with one more axis and (..., F) values on it."""
         if axis.is_categorical:
-            corners.append([(axis.hard(value), None)])
-            continue
-        soft = axis.soft(value)
-        share = soft.weight / UNIT
-        corners.append([(soft.lower, 1 - share), (soft.lower + 1, share)])
-    factor = np.arange(len(table))
-    rest = table.ndim - 1 - len(axes)
-    total: FloatArray | None = None
-    for corner in product(*corners):
-        part = table[(factor, *(i for i, _ in corner))]
-        for _, weight in corner:
-            if weight is not None:
-                part = part * weight.reshape(weight.shape + (1,) * rest)
-        total = part if total is None else total + part
-    assert total is not None
-    return total
+            return self.onto(axis, axis.hard(values))
+        soft, corner, measured = axis.soft(values), self.corner, len(self.shares)
+        upper = soft.weight / UNIT
+        if measured:
+            corner = corner.reshape(*corner.shape[:measured], 1, *corner.shape[measured:])
+        return Cells(
+            corner * axis.size + np.array([soft.lower, soft.lower + 1]),
+            (*self.shares, np.array([1 - upper, upper])),
+            self.inside & soft.inside,
+            self.axes + 1,
+        )
+
+    def onto(self, axis: Axis, points: IntArray) -> "Cells":
+        """`on` for (..., F) grid points of the axis: nothing lies between them."""
+        return self._replace(corner=self.corner * axis.size + points, axes=self.axes + 1)
+
+    def read(self, table: FloatArray) -> FloatArray:
+        """Multilinear interpolation of `[factor, axes..., rest...]`: (..., F, rest...)."""
+        rest, measured = table.shape[1 + self.axes :], len(self.shares)
+        parts = table.reshape(-1, *rest).take(self.corner, axis=0)
+        for number, share in enumerate(self.shares):
+            parts *= share.reshape(2, *(1,) * (measured - 1 - number), *share.shape[1:], *(1,) * len(rest))
+        values: FloatArray = parts.reshape(-1, *parts.shape[measured:]).sum(0) if measured else parts
+        return values
+
+
+def located(factors: int, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> Cells:
+    """Where (..., F) values, one array for each axis, lie; without any axis, in the only cell there is."""
+    cells = Cells(np.arange(factors), (), np.ones(factors, bool), 0)
+    for axis, value in zip(axes, values, strict=True):
+        cells = cells.on(axis, value)
+    return cells
 
 
 def hat_mass(mean: FloatArray, spread: FloatArray, size: int) -> FloatArray:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from babbling.axes import FloatArray, IntArray
 from babbling.body import Body
 from babbling.forward_model import ForwardModel
-from babbling.grids import interpolate
+from babbling.grids import located
 from babbling.states import StateMap
 from imitation.errors import ImitationError
 from imitation.inference.ladder import CATEGORIES, Rung, descend
@@ -147,7 +147,8 @@ class Follower:
         """Eq. (1) and its ladder for (B,) contexts and wanted outcome under (B, A) priors."""
         model, size = self.forward_model, self.forward_model.action.size
         asked = [column.reshape(-1, len(model.factors)) for column in query]
-        likelihood = interpolate(self.by_outcome, (*model.contexts, model.outcome), asked).reshape(-1, size)
+        cells = located(len(model.factors), (*model.contexts, model.outcome), asked)
+        likelihood = cells.read(self.by_outcome).reshape(-1, size)
         (posterior, rung), wanted = descend(likelihood, prior, CATEGORIES), query[-1]
         action = self.rule(posterior.probability, model.action, rng).astype(np.int64)
         alone, chance = rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE

@@ -141,7 +141,7 @@ class Imitator:
         """
         if not state.left:
             raise ImitationError(f"step {state.tick + 1} of a movement that ends with step {state.tick}")
-        schema, model, belief = self.mind.pilot.schema, self.mind.forward_model, state.belief
+        schema, belief = self.mind.pilot.schema, state.belief
         if state.tick:  # the first senses made the belief
             belief = self.estimate.correct(belief, senses[:, schema.posture], senses[:, schema.rate])
         target, pace = state.targets[state.tick], state.pace[state.tick]
@@ -149,11 +149,11 @@ class Imitator:
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
         wanted = state.targets[state.tick + 1] - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
         clock = time.perf_counter()
-        choice = self.inverse.choose([Term(model, (rate,), wanted)], rng)
+        term = Term(self.mind.forward_model, (rate,), wanted)
+        choice = self.inverse.choose([term], rng)
         clock = time.perf_counter() - clock
         command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
         after = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
-        nearest = model.action.hard(choice.action)[..., None]
         info = Info(
             believed=belief.mean,
             wanted=wanted,
@@ -161,7 +161,7 @@ class Imitator:
             posterior=nothing if choice.posterior is None else choice.posterior.probability,
             evidence=nothing[:, 0] if choice.posterior is None else choice.posterior.evidence,
             entropy=nothing[:, 0] if choice.posterior is None else choice.posterior.entropy,
-            familiarity=np.take_along_axis(model.familiarity((rate,)), nearest, -1)[..., 0],
+            familiarity=term.rows.familiarity(choice.action),
             uninformed=choice.uninformed,
             select_s=np.array(clock),
         )

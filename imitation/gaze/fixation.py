@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
-from babbling.grids import interpolate
+from babbling.grids import located
 from babbling.sight import LookingMind
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.selection import selection_rule
@@ -87,8 +87,8 @@ class Fixation:
         action = np.broadcast_to(actions[:, None], shape)
         wanted = goal - things[:, None, None, 2 * self.eye + motor]
         outcome = wanted - pilot.straight(context, action, mine)
-        axes = tuple(Axis(a.name, a.unit, a.low[mine], a.high[mine], a.size) for a in model.axes)
-        likelihood = interpolate(model.predictive[mine], axes, (*context, action, outcome))[..., 0]
+        axes = [axis.of(factor) for axis in model.axes]
+        likelihood = located(1, axes, (*context, action, outcome)).read(model.predictive[mine])[..., 0]
         inside = axes[-1].soft(outcome).inside[..., 0]
         after = posture[:, None, motor] + actions
         within = (after >= pilot.reach.low[motor] - 1e-9) & (after <= pilot.reach.high[motor] + 1e-9)

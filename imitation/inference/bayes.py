@@ -72,11 +72,12 @@ def joint_likelihood(likelihoods: Sequence[FloatArray], weights: Sequence[ArrayL
     """
     joint: FloatArray | None = None
     for number, (likelihood, given) in enumerate(zip(likelihoods, weights, strict=True)):
-        weight = np.asarray(given, float)
-        if not (np.isfinite(weight) & (weight >= 0)).all():
-            raise ImitationError(f"term {number}: weight {given}; it must be finite and at least 0")
-        powered = likelihood if (weight == 1).all() else likelihood ** weight[..., None]
-        joint = powered if joint is None else joint * powered
+        if np.ndim(given) or given != 1:
+            weight = np.asarray(given, float)
+            if not (weight.min() >= 0 and weight.max() < np.inf):
+                raise ImitationError(f"term {number}: weight {given}; it must be finite and at least 0")
+            likelihood = likelihood ** weight[..., None]
+        joint = likelihood if joint is None else joint * likelihood
     if joint is None:
         raise ImitationError("no likelihood: Eq. (1) needs at least one forward model and its sub-goal")
     return joint
@@ -115,15 +116,15 @@ def unobserved_action(likelihood: ArrayLike, action_prior: ArrayLike) -> FloatAr
 
 def _checked(name: str, values: ArrayLike) -> FloatArray:
     array = np.asarray(values, float)
-    if not (array >= 0).all() or not np.isfinite(array).all():
+    if not (array.min(initial=0) >= 0 and array.max(initial=0) < np.inf):
         bad = array[~((array >= 0) & np.isfinite(array))].flat[0]
         raise ImitationError(f"{name}: {bad:g} is not a probability; all entries must be finite and at least 0")
     return array
 
 
 def _normalised(joint: FloatArray) -> Posterior:
+    """`joint` is normalised in place."""
     evidence: FloatArray = joint.sum(-1)
     informed = evidence > 0
-    probability = np.zeros_like(joint)
-    np.divide(joint, evidence[..., None], out=probability, where=informed[..., None])
-    return Posterior(probability, evidence, informed)
+    joint /= np.where(informed, evidence, 1.0)[..., None]  # nothing to divide where all are zero
+    return Posterior(joint, evidence, informed)

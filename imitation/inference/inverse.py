@@ -5,21 +5,23 @@ squares on the same babbling. Both answer the same question, so the same loop ru
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
-from babbling.forward_model import ForwardModel
-from babbling.grids import interpolate
+from babbling.forward_model import ForwardModel, Rows
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, joint_likelihood
 from imitation.inference.ladder import MEASURED, Rung, check_ladder, descend
 from imitation.inference.selection import selection_rule
 
 
-class Term(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Term:
     """What an action should bring about: one likelihood P(s' | s, a)^w of Eq. (1)."""
 
     forward_model: ForwardModel
@@ -30,6 +32,11 @@ class Term(NamedTuple):
     """(B, F) the sub-goal."""
     weight: FloatArray | float = 1.0
     """w, or (F,) of them: 0 leaves the term out, 2 counts it twice."""
+
+    @cached_property
+    def rows(self) -> Rows:
+        """The forward model at the context, found once for all who ask."""
+        return self.forward_model.at(self.context)
 
 
 class Choice(NamedTuple):
@@ -64,7 +71,7 @@ class BayesianInverse:
     Args:
         forward_model: of the first term; the habit, the line and what is expected are its own.
         selection: name of a selection rule.
-        habit: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habit`); 0 is the
+        habit: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
             uniform prior.
         prior: (F, A) prior over actions that replaces the habit.
         ladder: who decides where Eq. (1) is 0/0 or a term with a weight is off its axes.
@@ -85,7 +92,7 @@ class BayesianInverse:
         self.forward_model, self.rule, self.prior = forward_model, selection_rule(selection), prior
         self.ladder = check_ladder(ladder)
         self.line = LinearInverse(forward_model) if Rung.LINE in self.ladder else None
-        table = forward_model.habits()
+        table = forward_model.habits
         exponent = np.broadcast_to(np.asarray(habit, float), (len(forward_model.factors),))
         table = table ** exponent.reshape(-1, *(1,) * (table.ndim - 1))
         total = table.sum(-1, keepdims=True)
@@ -99,18 +106,14 @@ class BayesianInverse:
                 model.
         """
         self._check(terms)
-        first = terms[0]
-        prior = self.prior
-        if prior is None:
-            prior = interpolate(self.habits, self.forward_model.contexts, first.context)
-        likelihood = joint_likelihood(
-            [term.forward_model.likelihood(term.context, term.outcome) for term in terms],
-            [term.weight for term in terms],
-        )
-        beyond = np.zeros(first.outcome.shape, bool)
+        prior = terms[0].rows.cells.read(self.habits) if self.prior is None else self.prior
+        likelihoods, beyond = [], np.zeros(1, bool)
         for term in terms:
-            beyond |= ~term.forward_model.inside(term.context, term.outcome) & (np.asarray(term.weight) > 0)
-        posterior, rung = descend(likelihood, prior, self.ladder, beyond)
+            likelihood, inside = term.rows.backwards(term.outcome)
+            likelihoods.append(likelihood)
+            beyond = beyond | ~inside & (np.asarray(term.weight) > 0)
+        joint = joint_likelihood(likelihoods, [term.weight for term in terms])
+        posterior, rung = descend(joint, prior, self.ladder, beyond)
         action = self.rule(posterior.probability, self.forward_model.action, rng)
         if self.line is not None and rung.any():
             action = np.where(rung == Rung.LINE, self.line.choose(terms[:1], rng).action, action)
@@ -133,12 +136,10 @@ class BayesianInverse:
                     f"term {number}: {len(term.context)} contexts; its forward model has {len(model.contexts)} "
                     f"({', '.join(axis.name for axis in model.contexts)})"
                 )
-            shapes = {np.shape(term.outcome), *(np.shape(value) for value in term.context)}
-            if shapes != {np.shape(terms[0].outcome)}:
-                raise ImitationError(
-                    f"term {number}: context and sub-goal have shapes {sorted(shapes)}, the sub-goal of term 0 "
-                    f"{np.shape(terms[0].outcome)}; all must be (copies, {len(model.factors)})"
-                )
+            shape = terms[0].outcome.shape
+            for value in (term.outcome, *term.context):
+                if value.shape != shape:
+                    raise ImitationError(f"term {number}: shape {value.shape} beside {shape} of the sub-goal of term 0")
 
 
 class LinearInverse:

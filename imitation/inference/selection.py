@@ -33,7 +33,8 @@ def select_mean(probability: FloatArray, axis: Axis, rng: np.random.Generator) -
 
 def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
     """argmax_i p_i; ties are broken by the generator. On a measured axis the peak of the parabola through the logs of
-    the best grid point and its two neighbours: the maximum of the density whose knots the grid holds.
+    the best grid point and its two neighbours, never more than half a step away: the maximum of the density whose knots
+    the grid holds.
     """
     best = _argmax(probability, rng)
     if axis.is_categorical:
@@ -47,7 +48,7 @@ def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) ->
         curvature = left - 2 * top + right
         shift = (left - right) / (2 * curvature)
     usable = (inner == best) & np.isfinite(shift) & (curvature < 0)
-    action: FloatArray = axis.low + (best + np.where(usable, np.clip(shift, -0.5, 0.5), 0.0)) * axis.step
+    action: FloatArray = axis.low + (best + np.where(usable, shift, 0.0)) * axis.step
     return action
 
 

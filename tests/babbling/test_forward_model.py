@@ -156,5 +156,5 @@ def test_distance_from_the_truth_is_the_multinomial_one(draws):
 def test_what_nobody_tried_is_all_zero_and_says_so():
     model = categories()
     model.observe([], np.array([[1]]), np.array([[2]]))
-    assert model.familiarity(()).tolist() == [[0, 1, 0, 0, 0]]
+    assert model.visits.tolist() == [[0, 1, 0, 0, 0]]
     assert model.likelihood((), np.array([[2]])).tolist() == [[[0, 1, 0, 0, 0]]]

@@ -11,7 +11,7 @@ from scipy.stats import norm
 from babbling.axes import Axis, FloatArray
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
-from babbling.grids import hat_mass, interpolate
+from babbling.grids import hat_mass, located
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -119,6 +119,17 @@ def test_the_prior_is_the_line_as_the_grid_sees_it() -> None:
     np.testing.assert_allclose(m.prior().sum(-1), 1, atol=1e-12)
 
 
+def test_a_line_that_leaves_the_axis_is_held_at_its_end() -> None:
+    m, rng = model(1.0, (4, 9, 25)), np.random.default_rng(0)
+    v, a = rng.uniform(-0.2, 0.2, (2, 3000, 2))
+    m.observe([v], a, 2.2 * a + 0.05 * rng.standard_normal(a.shape))  # a goes on to 1: twice the outcome's range
+    spread = np.sqrt(m.linear().covariance[:, 0, 0]) / m.outcome.step
+    for f, (end, grid_point) in product(range(2), ((0, 0.0), (-1, 24.0))):
+        held = hat_mass(np.array(grid_point), spread[f], 25)
+        np.testing.assert_allclose(m.prior()[f, :, end], np.tile(held, (4, 1)), atol=1e-12)
+        assert 0.3 < held[end] < 0.9  # the end has not swallowed what would lie before it
+
+
 def test_infinite_experience_is_the_truth() -> None:
     """P(w | v, a) of a bent, unevenly noisy law comes within its sampling error, whatever the line says."""
     rng, count = np.random.default_rng(2), 400_000
@@ -157,7 +168,7 @@ def test_interpolation_is_exact_for_multilinear_tables(seed: int) -> None:
     powers_v, powers_a = np.stack([np.ones_like(v), v], -1), np.stack([np.ones_like(a), a], -1)
     table = np.einsum("fvi,faj,fijr->fvar", powers_v, powers_a, c)
     at_v, at_a = rng.uniform(-1, 1, (2, 50, 2)) * [1.0, 0.5]
-    found = interpolate(table, (m.contexts[0], m.action), (at_v, at_a))
+    found = located(2, (m.contexts[0], m.action), (at_v, at_a)).read(table)
     wanted = np.einsum("nfi,nfj,fijr->nfr", *(np.stack([np.ones_like(x), x], -1) for x in (at_v, at_a)), c)
     np.testing.assert_allclose(found, wanted, atol=np.abs(c).max() * 4 * 2.0**-11)
 
@@ -191,7 +202,7 @@ def test_likelihood_and_expectation_read_the_table() -> None:
     a = m.action.points[:, 3]
     mean = (m.predictive[f, 1, 3] * m.outcome.points).sum(-1)
     np.testing.assert_allclose(m.expected((v,), a), mean, atol=1e-12)
-    np.testing.assert_allclose(m.habits().sum(-1), 1, atol=1e-12)
+    np.testing.assert_allclose(m.habits.sum(-1), 1, atol=1e-12)
 
 
 def test_what_cannot_be_merged_or_made() -> None:

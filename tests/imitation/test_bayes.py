@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from babbling.moves import overridden
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior, goal_posterior, unobserved_action
+from imitation.inference.bayes import action_posterior, entropy, goal_posterior, unobserved_action
 
 EXACT = 1e-12
 sizes = st.integers(1, 7)
@@ -113,6 +113,19 @@ def test_hidden_actions_beside_walls_are_judged_by_the_overridden_model(seed, wa
         assert bool(found.informed) == (joint.sum() > 0)
         if joint.sum() > 0:
             np.testing.assert_allclose(found.probability, joint / joint.sum(), atol=EXACT)
+
+
+def test_without_a_prior_all_actions_are_alike_and_the_evidence_is_their_mean():
+    likelihood = np.random.default_rng(0).random((4, 7))
+    found, uniform = action_posterior(likelihood), action_posterior(likelihood, np.full(7, 1 / 7))
+    np.testing.assert_allclose(found.evidence, likelihood.mean(-1), atol=EXACT)
+    assert (found.evidence == uniform.evidence).all() and (found.probability == uniform.probability).all()
+
+
+def test_entropy_counts_the_bits_that_are_missing():
+    told = entropy(np.array([[0.5, 0.25, 0.25, 0.0], [1, 0, 0, 0], [0.25, 0.25, 0.25, 0.25], [0, 0, 0, 0]]))
+    np.testing.assert_allclose(told, [1.5, 0, 2, 0], atol=EXACT)
+    assert action_posterior([0.2, 0.2, 0.2, 0.2]).entropy == pytest.approx(2)
 
 
 def test_zero_over_zero_is_said_and_never_a_number():

@@ -1,5 +1,6 @@
 """Eq. (1) as an inverse model: against its definition, one term and several, its limits, and the ladder below it."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -57,7 +58,7 @@ def test_one_term_in_one_context_is_to_the_bit_what_eq_1_says_written_out():
     likelihood = likelihood + table[f, i, :, k + 1] * (1 - s) * t
     likelihood = likelihood + table[f, i + 1, :, k] * s * (1 - t)
     likelihood = likelihood + table[f, i + 1, :, k + 1] * s * t
-    habits = model.habits() ** exponent[:, None, None]
+    habits = model.habits ** exponent[:, None, None]
     habits = habits / habits.sum(-1, keepdims=True)
     joint = likelihood * (habits[f, i] * (1 - s) + habits[f, i + 1] * s)
     evidence = joint.sum(-1)
@@ -77,7 +78,7 @@ def test_each_choice_is_eq_1_by_brute_force():
     table = model.counts / model.unit + model.prior()
     for f in range(2):
         likelihood = np.array([table[f, 1, i, 7] / table[f, 1, i].sum() for i in range(9)])
-        habit = model.habits()[f, 1]
+        habit = model.habits[f, 1]
         joint = [likelihood[i] * habit[i] for i in range(9)]
         np.testing.assert_allclose(choice.posterior.probability[0, f], np.array(joint) / sum(joint), atol=1e-12)
         mean = sum(p * x for p, x in zip(joint, model.action.points[f], strict=True)) / sum(joint)
@@ -121,7 +122,7 @@ def test_two_measured_contexts_are_read_in_their_order():
     f = np.arange(2)
     context = tuple(axis.points[:, i][None] for axis, i in zip(model.contexts, (2, 1), strict=True))
     choice = BayesianInverse(model).choose([Term(model, context, model.outcome.points[:, 6][None])], rng)
-    joint = model.predictive[f, 2, 1, :, 6] * model.habits()[f, 2, 1]
+    joint = model.predictive[f, 2, 1, :, 6] * model.habits[f, 2, 1]
     np.testing.assert_allclose(choice.posterior.probability[0], joint / joint.sum(-1, keepdims=True), atol=1e-12)
     expected = BayesianInverse(model).expect(context, model.action.points[:, 3][None])
     mean = (model.predictive[f, 2, 1, 3] * model.outcome.points).sum(-1)
@@ -150,7 +151,7 @@ def test_a_weight_of_nothing_is_no_term_and_of_two_the_term_twice():
     assert mixed[:, 0].tobytes() == asked()[:, 0].tobytes() and mixed[:, 1].tobytes() == asked(1.0)[:, 1].tobytes()
     beyond = Term(two, (v[1], v[2]), 9 * -LOW + 0 * goals[1], 0.0)  # off its axis, but nobody asks it
     assert not inverse.choose([Term(one, (v[0],), goals[0]), beyond], rng).uninformed.any()
-    assert inverse.choose([Term(one, (v[0],), goals[0]), beyond._replace(weight=1e-3)], rng).uninformed.all()
+    assert inverse.choose([Term(one, (v[0],), goals[0]), replace(beyond, weight=1e-3)], rng).uninformed.all()
 
 
 def test_a_certain_term_decides():
@@ -181,9 +182,12 @@ def test_terms_that_do_not_fit_are_refused():
         ([good, Term(single, (), zero)], "term 1: actions are 'a', 9 from -1 to 1, 1 factors; those of term 0, 'a', 9"),
         ([Term(one, (zero, zero), zero)], r"term 0: 2 contexts; its forward model has 1 \(v0\)"),
         ([good, Term(one, (), zero)], r"term 1: 0 contexts; its forward model has 1 \(v0\)"),
-        ([good, Term(one, (np.zeros((3, 2)),), zero)], r"term 1: context and sub-goal have shapes .*\(3, 2\)"),
-        ([good, good._replace(weight=-1.0)], r"term 1: weight -1\.0; it must be finite and at least 0"),
-        ([good, good._replace(weight=np.array([1, np.nan]))], "term 1: weight .*nan.*; it must be finite"),
+        (
+            [good, Term(one, (np.zeros((3, 2)),), zero)],
+            r"term 1: shape \(3, 2\) beside \(1, 2\) of the sub-goal of term 0",
+        ),
+        ([good, replace(good, weight=-1.0)], r"term 1: weight -1\.0; it must be finite and at least 0"),
+        ([good, replace(good, weight=np.array([1, np.nan]))], "term 1: weight .*nan.*; it must be finite"),
     ):
         with pytest.raises(ImitationError, match=told) as refused:
             inverse.choose(terms, rng)

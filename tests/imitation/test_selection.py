@@ -72,6 +72,19 @@ def test_map_at_an_end_or_beside_the_impossible_stays_on_its_grid_point(end: int
     np.testing.assert_allclose(select_map(p, GRID, np.random.default_rng(0)), GRID.points[:, 7])
 
 
+@settings(max_examples=60, deadline=None)
+@given(seeds, st.sampled_from([1, 3, 1000]))
+def test_map_stays_within_half_a_step_of_the_most_probable_grid_point(seed: int, levels: int) -> None:
+    """With few levels nearly everything is tied; the peak of a flat top may lie half-way, never beyond."""
+    p = np.random.default_rng(seed).integers(0, levels + 1, (50, 2, 41)) + 1e-3
+    p[..., 20] = levels + 1e-3
+    p[:, 1] *= 1 - np.random.default_rng(seed).integers(0, 9, (50, 41)) * 2.0**-53  # as near to a tie as can be
+    place = (select_map(p / p.sum(-1, keepdims=True), GRID, np.random.default_rng(0)) - GRID.low) / GRID.step
+    best = p >= p.max(-1, keepdims=True) * (1 - 1e-12)
+    away = np.where(best, np.abs(np.arange(41) - place[..., None]), np.inf).min(-1)
+    assert away.max() <= 0.5 + 1e-9
+
+
 def test_mean_minimises_the_expected_squared_error() -> None:
     p = np.random.default_rng(0).dirichlet(np.ones(41), 2)
     mean = select_mean(p, GRID, np.random.default_rng(0))

@@ -30,7 +30,8 @@ class Obeyed:
         self.asked: list[Asked] = []
 
     def choose(self, terms, rng):
-        _, (context,), outcome, _ = single(terms)
+        term = single(terms)
+        context, outcome = *term.context, term.outcome
         self.asked.append(Asked(context, outcome, rng.uniform(-0.1, 0.1, outcome.shape)))
         return Choice(self.asked[-1].action, None, np.zeros(outcome.shape, np.int8))
 
