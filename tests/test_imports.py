@@ -3,6 +3,7 @@
 import ast
 import sys
 from collections.abc import Collection
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,12 @@ def test_physics_stays_in_models() -> None:
     physics = MAY_IMPORT["models"] - NUMBERS
     for file in sorted((ROOT / "experiments").rglob("*.py")):
         assert imported(file) & physics == set(), file.relative_to(ROOT)
+
+
+def test_no_module_imports_itself_by_a_detour() -> None:
+    known = modules()
+    graph = {name: imported_modules(ast.parse(file.read_text()), known) - {name} for name, file in known.items()}
+    assert len(list(TopologicalSorter(graph).static_order())) == len(known)  # raises CycleError, which names the circle
 
 
 def test_modules_are_imported_at_the_top() -> None:

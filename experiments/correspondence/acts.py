@@ -1,18 +1,15 @@
 """Two hundred single acts of all teachers: which part was that, and how often must one try until it looks right?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.body_image import BodyImage
 from babbling.mirroring import angles_between
-from babbling.pilot import Pilot
-from experiments.shared.mirrors import angles_of
+from experiments.shared.mirrors import Pupil
 from imitation.correspondence.organ import identify
 from imitation.correspondence.tries import try_again
-from models.body import SimulatedBody
-from models.mirror import Mirror, blurred
+from models.mirror import Mirror
 from models.teachers.acts import movable, single_act
 from models.teachers.robots import ROBOTS
 
@@ -33,12 +30,11 @@ class Acts:
         return float(np.mean(self.truth == self.said))
 
 
-def act_study(
-    image: BodyImage, body: SimulatedBody, found: Pilot, count: int, tries: int, noise_deg: float, seed: int
-) -> Acts:
+def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
     """Random robots, random parts, random postures; the imitator starts its tries at rest."""
     rng = np.random.default_rng([seed, 17])
-    noise, mirror = float(np.deg2rad(noise_deg)), Mirror(body)
+    image, mirror = pupil.image, Mirror(pupil.body)
+    calm = replace(pupil, noise_deg=pupil.noise_deg / 3)
     truth, said, errors = [], [], []
     for number in range(count):
         robot = list(ROBOTS)[number % len(ROBOTS)]
@@ -46,18 +42,18 @@ def act_study(
         part = able[int(rng.integers(len(able)))]
         seen = single_act(robot, part, rng).directions
         shown = np.stack([seen.get(name, np.full_like(seen[part], np.nan)) for name in image.parts], 1)
-        organ = identify(image.organs, blurred(shown, noise, rng), body.tick_s)
+        organ = identify(image.organs, pupil.look(shown, rng), pupil.body.tick_s)
         truth.append(image.parts.index(part))
         said.append(organ.part)
         if organ.part == truth[-1]:
             wanted = shown[-1, organ.part]
 
             def look(posture: NDArray[np.float64], which: int = organ.part) -> NDArray[np.float64]:
-                return blurred(mirror.shown(angles_of(posture[None], body, found))[0, which], noise, rng)
+                return pupil.look(mirror.shown(pupil.angles(posture[None]))[0, which], rng)
 
-            eye = blurred(wanted, noise / 3, rng)  # it holds still at the end: ten frames make one good look
+            eye = calm.look(wanted, rng)  # it holds still at the end: ten frames make one good look
             tried = try_again(image, organ.part, eye, image.rest, look, tries, rng)
-            shows = mirror.shown(angles_of(tried, body, found))[:, organ.part]
+            shows = mirror.shown(pupil.angles(tried))[:, organ.part]
             errors.append(angles_between(shows, wanted))
     table = np.rad2deg(errors).reshape(-1, tries + 1)
     return Acts(image.parts, np.array(truth), np.array(said), table)

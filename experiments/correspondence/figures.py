@@ -1,17 +1,13 @@
 """Figures of `imitate correspondence`."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-if TYPE_CHECKING:
-    from experiments.correspondence.run import Studied
-
-BLUE, ORANGE, GREY = "#3b6fd4", "#e8722a", "#8a8a8a"
+from experiments.correspondence.found import Studied
+from experiments.shared.figures import learning_curve
+from experiments.shared.palette import OURS, PLAIN, THEIRS
 
 
 def figures(done: Studied) -> dict[str, Figure]:
@@ -19,16 +15,16 @@ def figures(done: Studied) -> dict[str, Figure]:
     return {
         "structure": structure(done),
         "teachers": teachers(done),
-        "learning_curve": learning_curve(done),
+        "learning_curve": mirror_curve(done),
         "tries": tries(done),
     }
 
 
 def structure(done: Studied) -> Figure:
     """What each joint tells about each part, with noisy eyes."""
-    organs = done.noisy_image.organs
-    labels = [done.body.sense_labels[line] for line in done.pilot.schema.posture]
-    order = [labels.index(joint) for joint in done.body.joints if joint in labels]
+    organs, body = done.noisy.image.organs, done.noisy.body
+    labels = [body.sense_labels[line] for line in done.noisy.pilot.schema.posture]
+    order = [labels.index(joint) for joint in body.joints if joint in labels]
     figure = Figure(figsize=(11, 5.4), layout="constrained")
     axis = figure.subplots()
     picture = axis.imshow(organs.information[:, order], aspect="auto", cmap="magma", vmin=0, interpolation="nearest")
@@ -51,10 +47,10 @@ def teachers(done: Studied) -> Figure:
     oracle = np.array([row.error_deg(row.oracle) for row in done.rows.values()])
     clean = np.array([row.error_deg(row.clean) for row in done.rows.values()])
     noisy = np.array([row.error_deg(row.noisy) for row in done.rows.values()])
-    left.barh(place - 0.2, oracle, 0.38, color=GREY, label="inverse kinematics")
-    left.barh(place + 0.2, clean, 0.38, color=BLUE, label="learned, clean eyes")
+    left.barh(place - 0.2, oracle, 0.38, color=PLAIN, label="inverse kinematics")
+    left.barh(place + 0.2, clean, 0.38, color=THEIRS, label="learned, clean eyes")
     left.plot(oracle + 0.3, place, "|", color="black", ms=16, label="oracle + 0.3 deg")
-    right.barh(place, noisy, 0.5, color=ORANGE, label=f"learned, {done.config.seeing_noise_deg:g} deg of noise")
+    right.barh(place, noisy, 0.5, color=OURS, label=f"learned, {done.config.seeing_noise_deg:g} deg of noise")
     right.plot(oracle + 2.5, place, "|", color="black", ms=16, label="oracle + 2.5 deg")
     left.set_yticks(place, names)
     left.invert_yaxis()
@@ -65,22 +61,18 @@ def teachers(done: Studied) -> Figure:
     return figure
 
 
-def learning_curve(done: Studied) -> Figure:
+def mirror_curve(done: Studied) -> Figure:
     """Error against body time in front of the mirror."""
-    figure = Figure(figsize=(7, 4.2), layout="constrained")
-    axis = figure.subplots()
     minutes, clean, noisy = done.curve.T
-    axis.plot(minutes, np.maximum(clean, 1e-3), "o-", color=BLUE, label="clean eyes")
-    axis.plot(minutes, noisy, "o-", color=ORANGE, label=f"{done.config.seeing_noise_deg:g} deg of noise")
-    axis.axhline(done.shown.error_deg(done.shown.oracle), color=GREY, ls="--", label="inverse kinematics")
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    axis.set_xticks(minutes, [f"{m:.2g}" for m in minutes])
-    axis.minorticks_off()
-    axis.set_xlabel("in front of the mirror [body-minutes]")
-    axis.set_ylabel("limb-direction error [deg]")
-    axis.set_title(f"{done.shown.performance.name}: how long must one look into the mirror?")
-    axis.legend(frameon=False)
+    figure = learning_curve(
+        minutes,
+        {"clean eyes": np.maximum(clean, 1e-3), f"{done.config.seeing_noise_deg:g} deg of noise": noisy},
+        ("in front of the mirror [body-minutes]", "limb-direction error [deg]"),
+        f"{done.shown.performance.name}: how long must one look into the mirror?",
+        ("inverse kinematics", done.shown.error_deg(done.shown.oracle)),
+        log=True,
+    )
+    figure.axes[0].set_xticks(minutes, [f"{m:.2g}" for m in minutes])
     return figure
 
 
@@ -104,9 +96,9 @@ def tries(done: Studied) -> Figure:
     errors = done.acts.errors_deg
     number = np.arange(errors.shape[1])
     for low, high, shade in ((0.1, 0.9, 0.15), (0.25, 0.75, 0.3)):
-        right.fill_between(number, np.quantile(errors, low, axis=0), np.quantile(errors, high, axis=0), color=ORANGE,
+        right.fill_between(number, np.quantile(errors, low, axis=0), np.quantile(errors, high, axis=0), color=OURS,
                            alpha=shade, lw=0, label=f"{round(100 * (high - low))} % of acts")  # fmt: skip
-    right.plot(number, np.median(errors, axis=0), "o-", color=ORANGE, label="median")
+    right.plot(number, np.median(errors, axis=0), "o-", color=OURS, label="median")
     right.set_xticks(number, ["at rest", *map(str, number[1:])])
     right.set_xlabel("try")
     right.set_ylabel("the part points off by [deg]")

@@ -1,52 +1,44 @@
 """The recording of `imitate correspondence`: two bodies side by side, where their parts point, which part moves."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
-from experiments.gesture.recording import BESIDE, in_place
+from experiments.correspondence.found import Studied
 from experiments.shared import views
 from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import (
     heat_map,
-    log_body,
     log_picture,
     log_series,
-    log_stick_figure,
     recording,
     ticks,
 )
+from experiments.shared.side_by_side import BESIDE, log_imitator, log_teacher
 from imitation.correspondence.organ import identify
-from models.mirror import blurred
 from models.shapes import parts as shapes
 
-if TYPE_CHECKING:
-    from experiments.correspondence.run import Studied
-
-FloatArray = NDArray[np.float64]
 WINDOW_S = 0.5
 """Movements are put to a part by what turned within this time."""
 FAN = 0.13
 """m, length of the arrows."""
 
 
-def record(path: Path, done: Studied) -> None:
+def record(path: Path, done: Studied, summary: str) -> None:
     """Write the recording."""
     row = done.shown
     name = (
         f"{row.performance.name} ({row.performance.teacher}) through a learned correspondence, seed {done.config.seed}"
     )
-    with recording(path, "imitate-correspondence", name, layout(), done.summary) as stream:
-        _log_world(stream, done)
+    with recording(path, "imitate-correspondence", name, layout(), summary) as stream:
+        body = done.clean.body
+        log_imitator(stream, shapes(body.model, body.configurations(row.clean.angles)), body.tick_s)
+        log_teacher(stream, row.performance, len(row.clean.angles), body.tick_s)
         _log_directions(stream, done)
         _log_organ(stream, done)
-        log_picture(stream, "structure", heat_map(done.noisy_image.organs.information, aspect=2.0))
+        log_picture(stream, "structure", heat_map(done.noisy.image.organs.information, aspect=2.0))
 
 
 def layout() -> rrb.Horizontal:
@@ -63,20 +55,9 @@ def layout() -> rrb.Horizontal:
     )
 
 
-def _log_world(stream: rr.RecordingStream, done: Studied) -> None:
-    tick, row = done.body.tick_s, done.shown
-    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    log_body(stream, "world/imitator", shapes(done.body.model, done.body.configurations(row.clean.angles)), tick)
-    points = in_place(row.performance.time, row.performance.points, len(row.clean.angles), tick)
-    log_stick_figure(stream, "world/teacher", points, row.performance.bones, tick, DEMONSTRATED)
-    for label, place in (("imitator", (0, 0, 0.02)), ("teacher", (0, BESIDE, 0.02))):
-        sign = rr.Points3D([place], radii=[0.004], labels=[label], colors=[(220, 220, 220)], show_labels=True)
-        stream.log(f"world/labels/{label}", sign, static=True)
-
-
 def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
     """Arrows over either head, arms above legs, left beside right: the state that both bodies share."""
-    tick, row = done.body.tick_s, done.shown
+    tick, row = done.clean.body.tick_s, done.shown
     places = {"imitator": (row.clean.shown, 0.0, IMITATED), "teacher": (row.clean.teacher, BESIDE, DEMONSTRATED)}
     for who, (directions, aside, colour) in places.items():
         count = directions.shape[1]
@@ -93,16 +74,15 @@ def _log_directions(stream: rr.RecordingStream, done: Studied) -> None:
 
 
 def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
-    tick, row = done.body.tick_s, done.shown
-    goals, names = row.clean.found, (*done.image.parts, "nothing")
+    tick, row = done.clean.body.tick_s, done.shown
+    goals, names = row.clean.found, (*done.clean.image.parts, "nothing")
     window = round(WINDOW_S / tick)
-    seen = np.full((len(goals.wanted), len(done.image.parts), 3), np.nan)
+    seen = np.full((len(goals.wanted), len(done.clean.image.parts), 3), np.nan)
     rng = np.random.default_rng([done.config.seed, 18])
-    noise = float(np.deg2rad(done.config.seeing_noise_deg))
     for number, part in enumerate(goals.parts):
-        seen[:, done.image.parts.index(part)] = blurred(row.clean.teacher[:, number], noise, rng)
+        seen[:, done.clean.image.parts.index(part)] = done.noisy.look(row.clean.teacher[:, number], rng)
     found = [
-        identify(done.noisy_image.organs, seen[max(t - window, 0) : t + 1], tick) for t in range(window, len(seen))
+        identify(done.noisy.image.organs, seen[max(t - window, 0) : t + 1], tick) for t in range(window, len(seen))
     ]
     labels = [names[organ.part] for organ in found]
     changes = [0] + [t for t in range(1, len(labels)) if labels[t] != labels[t - 1]]

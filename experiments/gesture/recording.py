@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 from experiments.gesture.found import Performed
 from experiments.shared import views
@@ -16,17 +15,13 @@ from experiments.shared.recording import (
     log_body,
     log_picture,
     log_series,
-    log_stick_figure,
     recording,
 )
+from experiments.shared.side_by_side import BESIDE, log_imitator, log_teacher
 from models.shapes import parts
 
 SHOWN = 3
 """Joints that move most, whose beliefs are shown."""
-BESIDE = 0.55
-"""m between imitator and teacher."""
-TEACHER_HEIGHT = 0.5
-"""m; teachers are drawn at the imitator's size."""
 
 
 def record(path: Path, done: Performed) -> None:
@@ -74,32 +69,13 @@ def layout(joints: list[str]) -> rrb.Horizontal:
 
 
 def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
-    tick = done.body.tick_s
-    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    model = done.body.model
-    log_body(stream, "world/imitator", parts(model, done.body.configurations(done.imitated)), tick)
-    if done.seen.performance is None:
+    tick, model, performance = done.body.tick_s, done.body.model, done.seen.performance
+    log_imitator(stream, parts(model, done.body.configurations(done.imitated)), tick)
+    if performance is None:
         shown = parts(model, done.body.configurations(done.seen.angles))
         log_body(stream, "world/teacher", shown, tick, offset=(0, BESIDE, 0), tint=DEMONSTRATED)
     else:
-        points = in_place(done.seen.performance.time, done.seen.performance.points, len(done.seen.angles), tick)
-        log_stick_figure(stream, "world/teacher", points, done.seen.performance.bones, tick, DEMONSTRATED)
-    for label, place in (("imitator", (0, 0, 0.02)), ("teacher", (0, BESIDE, 0.02))):
-        sign = rr.Points3D([place], radii=[0.004], labels=[label], colors=[(220, 220, 220)], show_labels=True)
-        stream.log(f"world/labels/{label}", sign, static=True)
-
-
-def in_place(time: NDArray[np.float64], points: NDArray[np.float64], frames: int, tick_s: float) -> NDArray[np.float64]:
-    """(frames, K, 3) teacher's points at the imitator's ticks and size, kept beside it however far it walks."""
-    at = np.minimum(np.arange(frames) * tick_s, time[-1])
-    flat = points.reshape(len(points), -1)
-    even: NDArray[np.float64] = np.stack([np.interp(at, time, column) for column in flat.T], 1).reshape(frames, -1, 3)
-    height = np.quantile(np.ptp(even[..., 2], axis=1), 0.9)
-    even = even * (TEACHER_HEIGHT / height)
-    even[..., :2] -= even[..., :2].mean(1, keepdims=True)
-    even[..., 2] -= even[..., 2].min()
-    even[..., 1] += BESIDE
-    return even
+        log_teacher(stream, performance, len(done.seen.angles), tick)
 
 
 def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:

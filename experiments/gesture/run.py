@@ -14,13 +14,7 @@ from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
-from experiments.shared.mirrors import (
-    Eyes,
-    correspondence_metrics,
-    seen_in_mirror,
-    take_image,
-    through_mirror,
-)
+from experiments.shared.mirrors import Eyes, Pupil, correspondence_metrics, seen_in_mirror, take_image
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, retarget_metrics, watch
@@ -45,9 +39,8 @@ def run(config: Config) -> Result:
         with progress(f"{config.robot} looks into a mirror") as report:
             image, cost = take_image(config.body_image, config, mind.pilot, eyes, report)
         learned.metrics.update(cost)
-        eye = np.random.default_rng([config.seed, 10])
-        through = through_mirror(image, body, mind.pilot, seen.performance, config.seeing_noise_deg, eye)
-        seen = seen_in_mirror(seen, through, body)
+        pupil = Pupil(body, mind.pilot, image, config.seeing_noise_deg)
+        seen = seen_in_mirror(seen, pupil.follow(seen.performance, np.random.default_rng([config.seed, 10])), body)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     attempts = imitate(
         body,

@@ -67,36 +67,46 @@ def take_image(
     return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": time.perf_counter() - started}
 
 
-def through_mirror(
-    image: BodyImage,
-    body: SimulatedBody,
-    pilot: Pilot,
-    performance: Performance,
-    noise_deg: float,
-    rng: np.random.Generator,
-    hidden: Mapping[str, NDArray[np.bool_]] | None = None,
-) -> Retargeted:
-    """See a teacher, with noise and with parts `hidden` (T,) now and then, and find one's own postures for it."""
-    teacher = at_ticks(performance, body.tick_s)
-    seen = {part: blurred(values, float(np.deg2rad(noise_deg)), rng) for part, values in teacher.items()}
-    visible = {}
-    for part, away in (hidden or {}).items():
-        visible[part] = ~away
-        seen[part] = np.where(away[:, None], np.nan, seen[part])
-    schema = pilot.schema
-    found = correspond(image, performance.name, seen, body.tick_s, body.sense_high[schema.rate], visible)
-    angles = angles_of(found.postures, body, pilot)
-    shown = Mirror(body).shown(angles)[:, [image.parts.index(part) for part in found.parts]]
-    return Retargeted(found, angles, shown, np.stack([teacher[part] for part in found.parts], 1))
+@dataclass(frozen=True, eq=False)
+class Pupil:
+    """Who sees teachers with a learned body image; it sees with noise, `noise_deg` across the line of sight."""
 
+    body: SimulatedBody
+    pilot: Pilot
+    image: BodyImage
+    noise_deg: float = 0.0
 
-def angles_of(postures: FloatArray, body: SimulatedBody, pilot: Pilot) -> FloatArray:
-    """(T, J) joint angles in the body's order for (T, F) postures, for those who judge."""
-    labels = [body.sense_labels[line] for line in pilot.schema.posture]
-    if not set(labels) >= set(body.joints):
-        raise ExperimentError("babbling did not find every joint's posture sense; babble longer")
-    found: FloatArray = postures[:, [labels.index(joint) for joint in body.joints]]
-    return found
+    def look(self, directions: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """(..., 3) directions as they are seen."""
+        return blurred(directions, float(np.deg2rad(self.noise_deg)), rng)
+
+    def follow(
+        self,
+        performance: Performance,
+        rng: np.random.Generator,
+        hidden: Mapping[str, NDArray[np.bool_]] | None = None,
+    ) -> Retargeted:
+        """See a teacher, with parts `hidden` (T,) now and then, and find one's own postures for it."""
+        body, image = self.body, self.image
+        teacher = at_ticks(performance, body.tick_s)
+        seen = {part: self.look(values, rng) for part, values in teacher.items()}
+        visible = {}
+        for part, away in (hidden or {}).items():
+            visible[part] = ~away
+            seen[part] = np.where(away[:, None], np.nan, seen[part])
+        speed = body.sense_high[self.pilot.schema.rate]
+        found = correspond(image, performance.name, seen, body.tick_s, speed, visible)
+        angles = self.angles(found.postures)
+        shown = Mirror(body).shown(angles)[:, [image.parts.index(part) for part in found.parts]]
+        return Retargeted(found, angles, shown, np.stack([teacher[part] for part in found.parts], 1))
+
+    def angles(self, postures: FloatArray) -> FloatArray:
+        """(T, J) joint angles in the body's order for (T, F) postures, for those who judge."""
+        labels = [self.body.sense_labels[line] for line in self.pilot.schema.posture]
+        if not set(labels) >= set(self.body.joints):
+            raise ExperimentError("babbling did not find every joint's posture sense; babble longer")
+        found: FloatArray = postures[:, [labels.index(joint) for joint in self.body.joints]]
+        return found
 
 
 def seen_in_mirror(seen: Seen, learned: Retargeted, body: SimulatedBody) -> Seen:
@@ -121,11 +131,11 @@ def correspondence_metrics(learned: Retargeted | None, oracle: Retargeted | None
     }
     if learned is None:
         return metrics
-    pace = np.abs(np.diff(learned.angles, axis=0))
+    pace = learned.speeds(tick_s)
     return metrics | {
         "limb_direction_error_deg_by_part": learned.error_deg_by_part,
         "seeing_noise_found_deg": float(np.rad2deg(learned.found.noise.mean())),
-        "sub_goal_speed_q999": float(np.quantile(pace, 0.999) / tick_s),
-        "sub_goal_speed_max": float(pace.max() / tick_s),
+        "sub_goal_speed_q999": float(np.quantile(pace, 0.999)),
+        "sub_goal_speed_max": float(pace.max()),
         "correspond_p50_ms": 1e3 * learned.found.seconds / len(learned.angles),
     }

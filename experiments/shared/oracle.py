@@ -52,6 +52,10 @@ class Retargeted:
         """Part -> its mean error."""
         return dict(zip(self.found.parts, self.error_deg.mean(0).tolist(), strict=True))
 
+    def speeds(self, tick_s: float) -> FloatArray:
+        """(T - 1, J) of the sub-goals, rad/s."""
+        return np.asarray(np.abs(np.diff(self.angles, axis=0)) / tick_s)
+
     def mean_error_deg(self, where: NDArray[np.bool_]) -> float:
         """Mean over the parts and frames (T, P) named; 0 for none."""
         values = self.error_deg[where]

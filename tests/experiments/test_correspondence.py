@@ -18,7 +18,7 @@ from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Eyes, image_of, look_into_mirror, through_mirror
+from experiments.shared.mirrors import Eyes, Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, retarget
 from models.body import SimulatedBody
@@ -61,7 +61,7 @@ def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performa
     options = BodyOptions(scramble=scramble)
     image = image_of(look_into_mirror(options, pilot, Eyes(noise_deg, 5.0)), options, pilot)
     body, oracle = body_of(options, 1), retarget(seen)
-    return through_mirror(image, body, pilot, seen, noise_deg, np.random.default_rng(0)), oracle
+    return Pupil(body, pilot, image, noise_deg).follow(seen, np.random.default_rng(0)), oracle
 
 
 def beyond_oracle(found: Retargeted, oracle: Retargeted) -> float:
@@ -110,7 +110,7 @@ def test_size_heading_and_walking_away_change_nothing(
     two = perform("two", "talos", trajectory.time, other, grown)
     image = image_of(look_into_mirror(BodyOptions(), found[None], Eyes(0.0, 3.0)), BodyOptions(), found[None])
     body = body_of(BodyOptions(), 1)
-    a, b = (through_mirror(image, body, found[None], seen, 0.0, np.random.default_rng(0)) for seen in (one, two))
+    a, b = (Pupil(body, found[None], image).follow(seen, np.random.default_rng(0)) for seen in (one, two))
     np.testing.assert_allclose(a.angles, b.angles, atol=np.deg2rad(0.05))
 
 
