@@ -15,7 +15,6 @@ from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.options import Config
 from experiments.benchmark.peers import MLPInverse, have_sklearn
 from experiments.gesture.figures import babbling_curve
-from experiments.gesture.found import TrueAngles
 from experiments.gesture.run import curve_metrics
 from experiments.shared.baselines import direct_replay, replay_commands
 from experiments.shared.experiment import Result
@@ -59,7 +58,7 @@ def run(config: Config) -> Result:
                     eagerness=gains[peer],
                     attempts=config.attempts if peer == "Bayesian, mean" else 1,
                     rng=np.random.default_rng([config.seed, 8]),
-                    witness=TrueAngles(body),
+                    witness=lambda: body.joint_angles,
                 )
                 row[peer] = rmse_deg(attempts[0].truth[:, 0], one.angles)
                 if len(attempts) > 1:

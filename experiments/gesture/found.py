@@ -41,14 +41,3 @@ class Performed:
     def busiest(self) -> NDArray[np.intp]:
         """Joints by how much they move, most first."""
         return np.argsort(-self.seen.angles.std(0), kind="stable")
-
-
-class TrueAngles:
-    """Reads the body's joint angles, for those who judge."""
-
-    def __init__(self, body: SimulatedBody) -> None:
-        self.body = body
-
-    def read(self) -> NDArray[np.float64]:
-        """(B, J)."""
-        return self.body.joint_angles

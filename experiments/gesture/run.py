@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiments.gesture.figures import figures
-from experiments.gesture.found import Performed, TrueAngles
+from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
 from experiments.gesture.recording import record
 from experiments.shared.baselines import direct_replay
@@ -49,7 +49,7 @@ def run(config: Config) -> Result:
         selection=config.selection,
         attempts=config.attempts,
         rng=np.random.default_rng([config.seed, 8]),
-        witness=TrueAngles(body),
+        witness=lambda: body.joint_angles,
     )
     line = LinearInverse(mind.forward_model)
     eagerness = best_eagerness(lambda copies: body_of(config, copies, stream=1), mind, line, config.seed)
@@ -60,7 +60,7 @@ def run(config: Config) -> Result:
         inverse=line,
         eagerness=eagerness,
         rng=np.random.default_rng([config.seed, 9]),
-        witness=TrueAngles(body),
+        witness=lambda: body.joint_angles,
     )[0]
     replayed = direct_replay(body, seen.angles)
     metrics = measure(config, body, seen, learned, attempts, peer, replayed)

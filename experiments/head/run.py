@@ -1,7 +1,5 @@
 """A head watches another head nod, shake and look around, remembers it, and does the same: at once or another day."""
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
 from experiments.head.found import Performed, Seen
 from experiments.head.options import Config
-from experiments.head.recall import in_new_process, reproduce
+from experiments.head.recall import reproduce, reproduce_elsewhere
 from experiments.head.recording import record
 from experiments.shared.caregiver import (
     FRAME_S,
@@ -126,10 +124,7 @@ def remembered(config: Config, one: Seen, name: str) -> HeadMemory:
 def _perform(config: Config, mind: Mind, one: Seen, seed: int) -> Performed:
     memory = remembered(config, one, config.movement)
     if config.deferred:
-        with tempfile.TemporaryDirectory() as folder:
-            save_head_memory(memory, Path(folder) / "memory.nc")
-            save_mind(mind, Path(folder) / "mind.nc")
-            imitated = in_new_process(Path(folder) / "memory.nc", config.robot, config.selection, seed)
+        imitated = reproduce_elsewhere(memory, mind, config.robot, config.selection, seed)
     else:
         imitated = reproduce(memory, mind, config.robot, config.selection, seed)
     body = watching_body(config.robot)

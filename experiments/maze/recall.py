@@ -1,22 +1,20 @@
 """Deferred imitation: a process that has neither wandered nor watched imitates from a memory file.
 
-`python -m experiments.maze.recall MEMORY ORDER JOURNEY` reads a memory and an order (JSON: the maze's drawing, goal,
-selection, seed) and leaves the journey as arrays.
+`python -m experiments.maze.recall FOLDER GOAL SELECTION SEED` reads memory.nc and maze.txt in a folder and leaves the
+journey there as arrays.
 """
 
-import json
-import subprocess
 import sys
-import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from experiments.errors import ExperimentError
 from experiments.maze.mind import Experience, imitate, wanderer
+from experiments.shared.fresh_process import RESULT, Files, in_new_process
 from imitation.acting.follow import Decisions, Journey
-from imitation.deferred import load_memory
-from models.maze import Maze, MazeBody, draw, parse_maze
+from imitation.deferred import Memory, load_memory, save_memory
+from models.maze import Maze, MazeBody, draw, read_maze
 
 
 def recall(memory_file: Path, maze: Maze) -> Experience:
@@ -29,33 +27,24 @@ def recall(memory_file: Path, maze: Maze) -> Experience:
     return Experience(maze, memory.recall_onto(wanderer(MazeBody(maze)).forward_model()), memory.episodes)
 
 
-def in_new_process(memory_file: Path, maze: Maze, goal: int, selection: str, seed: int) -> Journey:
+def imitate_elsewhere(memory: Memory, maze: Maze, goal: int, selection: str, seed: int) -> Journey:
     """Imitate from a memory in a process of its own.
 
     Raises:
         ExperimentError: the process failed; its last line is told.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        order, result = Path(folder) / "order.json", Path(folder) / "journey.npz"
-        order.write_text(json.dumps({"maze": draw(maze), "goal": goal, "selection": selection, "seed": seed}))
-        command = [sys.executable, "-m", "experiments.maze.recall", str(memory_file), str(order), str(result)]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).resolve().parents[2])
-        if done.returncode:
-            raise ExperimentError(
-                f"deferred imitation failed: {(done.stderr.strip() or 'no reason given').splitlines()[-1]}"
-            )
-        with np.load(result, allow_pickle=False) as stored:
-            decisions = Decisions._make(stored[name] for name in Decisions._fields)
-            return Journey(stored["states"], decisions, stored["steps"], stored["reached"])
+    files: Files = {"memory.nc": partial(save_memory, memory), "maze.txt": lambda path: path.write_text(draw(maze))}
+    left = in_new_process(__name__, files, goal, selection, seed)
+    decisions = Decisions._make(left[name] for name in Decisions._fields)
+    return Journey(left["states"], decisions, left["steps"], left["reached"])
 
 
-def main(arguments: list[str]) -> None:
+def main(words: list[str]) -> None:
     """See the module."""
-    memory_file, order_file, result = map(Path, arguments)
-    order = json.loads(order_file.read_text())
-    experience = recall(memory_file, parse_maze(order["maze"]))
-    journey = imitate(experience, order["goal"], order["selection"], order["seed"])
-    np.savez(result, states=journey.states, steps=journey.steps, reached=journey.reached, **journey.decisions._asdict())
+    folder, goal, selection, seed = Path(words[0]), int(words[1]), words[2], int(words[3])
+    journey = imitate(recall(folder / "memory.nc", read_maze(folder / "maze.txt")), goal, selection, seed)
+    decisions = journey.decisions._asdict()
+    np.savez(folder / RESULT, states=journey.states, steps=journey.steps, reached=journey.reached, **decisions)
 
 
 if __name__ == "__main__":

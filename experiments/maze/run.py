@@ -3,8 +3,6 @@
 The same forward model, Eq. (1) and Eq. (2) as for every other body; the maze is one more.
 """
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,7 @@ from experiments.maze.mind import (
     watched,
 )
 from experiments.maze.options import SEEING, Config
-from experiments.maze.recall import in_new_process, recall
+from experiments.maze.recall import imitate_elsewhere, recall
 from experiments.maze.recording import record
 from experiments.maze.study import study
 from experiments.shared.experiment import Result
@@ -65,10 +63,7 @@ def run(config: Config) -> Result:
         raise ExperimentError(f"nobody was watched going to goal {missing[0]}; every goal needs a demonstration")
     memory = remember(experience.forward_model, experience.episodes)
     if config.deferred:
-        with tempfile.TemporaryDirectory() as folder:
-            stored = Path(folder) / "memory.nc"
-            save_memory(memory, stored)
-            journey = in_new_process(stored, maze, config.goal, config.selection, config.seed)
+        journey = imitate_elsewhere(memory, maze, config.goal, config.selection, config.seed)
     else:
         journey = imitate(experience, config.goal, config.selection, config.seed)
     unseen = unseen_walk(maze, config.seed)

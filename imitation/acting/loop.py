@@ -6,9 +6,9 @@ the sub-goals.
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -95,6 +95,8 @@ class Imitator:
         selection: selection rule on Eq. (1)'s posterior.
         inverse: another inverse model in the same loop (peers); default is Eq. (1).
         eagerness: (F,) or (B, F) share of the believed error to undo within one tick; None is the mind's own temper.
+        terms: what else an action should bring about, to be multiplied into Eq. (1): asked at every tick with (B, S)
+            senses and (B, F, 3) believed posture, rate and bias.
 
     Raises:
         ImitationError: a posture that the mind needs was not seen.
@@ -108,10 +110,12 @@ class Imitator:
         selection: str = "mean",
         inverse: InverseModel | None = None,
         eagerness: FloatArray | float | None = None,
+        terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
     ) -> None:
         self.mind, self.tick_s, self.goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
         self.inverse = inverse or BayesianInverse(mind.forward_model, selection, habit=mind.temper.habit)
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
+        self.terms = terms
         self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics, self.inverse.expect)
 
     def start(self, senses: FloatArray, aim: ArrayLike = 0.0) -> State:
@@ -150,7 +154,7 @@ class Imitator:
         wanted = state.targets[state.tick + 1] - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
         clock = time.perf_counter()
         term = Term(self.mind.forward_model, (rate,), wanted)
-        choice = self.inverse.choose([term], rng)
+        choice = self.inverse.choose([term, *self.terms(senses, belief.mean)], rng)
         clock = time.perf_counter() - clock
         command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
         after = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
@@ -168,13 +172,6 @@ class Imitator:
         return after, schema.motors(command), info
 
 
-class Witness(Protocol):
-    """Reads something off a body at every tick, for those who judge."""
-
-    def read(self) -> FloatArray:
-        """(B, ...)."""
-
-
 def imitate(
     body: Body,
     movement: Movement,
@@ -185,7 +182,8 @@ def imitate(
     rng: np.random.Generator,
     inverse: InverseModel | None = None,
     eagerness: FloatArray | float | None = None,
-    witness: Witness | None = None,
+    terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
+    witness: Callable[[], FloatArray] | None = None,
     ended: Callable[[FloatArray], str | None] = lambda senses: None,
 ) -> list[Attempt]:
     """Reproduce a movement, `attempts` times: the loop around `Imitator.step`.
@@ -199,7 +197,8 @@ def imitate(
         rng: randomness of matching and of ties.
         inverse: see `Imitator`.
         eagerness: see `Imitator`.
-        witness: read at every tick.
+        terms: see `Imitator`.
+        witness: reads (B, ...) something off the body at every tick, for those who judge.
         ended: asked with the (B, S) senses before every tick; why to stop there (fell, dropped, timed out), or None.
 
     Raises:
@@ -211,7 +210,7 @@ def imitate(
     if abs(movement.tick_s - body.tick_s) > 1e-9:
         raise ImitationError(f"{movement.name} has ticks of {movement.tick_s:g} s, the body of {body.tick_s:g} s")
     mind.check(body)
-    imitator = Imitator(mind, movement, selection=selection, inverse=inverse, eagerness=eagerness)
+    imitator = Imitator(mind, movement, selection=selection, inverse=inverse, eagerness=eagerness, terms=terms)
     goals = imitator.goals[:, None]
     practice = Practice.empty(len(goals), body.copies, goals.shape[-1])
     done = []
@@ -226,7 +225,7 @@ def _attempt(
     imitator: Imitator,
     aim: FloatArray,
     rng: np.random.Generator,
-    witness: Witness | None,
+    witness: Callable[[], FloatArray] | None,
     ended: Callable[[FloatArray], str | None],
 ) -> Attempt:
     felt = body.reset()
@@ -236,7 +235,7 @@ def _attempt(
         why = ended(felt)
         state, motors, info = imitator.step(state, felt, rng)
         senses.append(felt)
-        truth.append(witness.read().copy() if witness else np.zeros((body.copies, 0)))
+        truth.append(witness().copy() if witness else np.zeros((body.copies, 0)))
         # many copies' posteriors would fill the memory
         infos.append(replace(info, posterior=info.posterior[0].astype(np.float32), familiarity=info.familiarity[0]))
         if why is None:

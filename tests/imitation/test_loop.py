@@ -21,17 +21,9 @@ def seen(body, wave):
     return Movement("wave", body.tick_s, body.sensations(angles)), angles
 
 
-class Angles:
-    def __init__(self, body):
-        self.body = body
-
-    def read(self):
-        return self.body.joint_angles
-
-
 def performed(body, mind, wave, **how):
     movement, angles = seen(body, wave)
-    how = {"rng": np.random.default_rng(0), "witness": Angles(body), **how}
+    how = {"rng": np.random.default_rng(0), "witness": lambda: body.joint_angles, **how}
     attempts = imitate(body, movement, mind, **how)
     return attempts, [np.rad2deg(np.sqrt(np.mean((a.truth[:, 0] - angles) ** 2))) for a in attempts]
 

@@ -9,7 +9,7 @@ from imitation.acting.belief import StateEstimate
 from imitation.acting.loop import Attempt, Imitator, imitate
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement
 from imitation.errors import ImitationError
-from imitation.inference.inverse import Choice, LinearInverse, single
+from imitation.inference.inverse import Choice, LinearInverse, Term, single
 from models.loading import load_body
 from models.motion import read_motion
 
@@ -80,23 +80,15 @@ def test_steps_by_hand_are_what_the_loop_does(arm, arm_mind, movement, copies):
         seen.append((senses, body.joint_angles.copy(), info))
         senses = body.act(motors)
     body = load_body(arm, copies=copies, noise=0.002)
-    once = imitate(body, movement, arm_mind, selection="matching", rng=np.random.default_rng(0), witness=Angles(body))[
-        0
-    ]
+    once = imitate(
+        body, movement, arm_mind, selection="matching", rng=np.random.default_rng(0), witness=lambda: body.joint_angles
+    )[0]
     assert once.ended is None and once.ended_tick == len(once.senses) == 100
     for t, (senses, angles, info) in enumerate(seen[LEAD:]):
         by_hand = dict(vars(info), senses=senses, truth=angles)
         by_hand |= {"posterior": info.posterior[0].astype(np.float32), "familiarity": info.familiarity[0]}
         for name in (*ARRAYS, "uninformed"):
             assert getattr(once, name)[t].tobytes() == by_hand[name].tobytes(), (name, t)
-
-
-class Angles:
-    def __init__(self, body):
-        self.body = body
-
-    def read(self):
-        return self.body.joint_angles
 
 
 def test_a_step_can_be_taken_again_and_does_not_change_the_state(arm_mind, movement):
@@ -165,6 +157,28 @@ def test_what_is_believed_is_the_filter_over_everything_felt_so_far(arm_mind, mo
         belief = estimate.predict(belief, info.commands)
 
 
+def test_further_terms_are_multiplied_in_and_told_what_is_felt_and_believed(arm_mind, movement):
+    """Stay where you are, says a second term, twice as loud; the table is one's own."""
+    model, told = arm_mind.forward_model, []
+
+    def stay(senses, believed):
+        told.append((senses, believed))
+        return [Term(model, (believed[..., 1],), 0.0 * believed[..., 0], 2.0)]
+
+    one, both = (Imitator(arm_mind, movement, eagerness=1.0, **how) for how in ({}, {"terms": stay}))
+    senses, rng = next(feeling(arm_mind.pilot.schema, 2, 0)), np.random.default_rng(0)
+    start = one.start(senses)
+    near = start.belief.mean + np.random.default_rng(1).normal(0, 0.003, (2, 3, 3))
+    start = start._replace(belief=start.belief._replace(mean=near))
+    alone, also = (imitator.step(start, senses, rng)[2] for imitator in (one, both))
+    (felt, believed), rate = told[0], start.belief.mean[..., 1]
+    assert felt is senses and believed is also.believed and alone.wanted.tobytes() == also.wanted.tobytes()
+    quiet = model.likelihood((rate,), 0 * rate)
+    expected = alone.posterior * quiet**2
+    np.testing.assert_allclose(also.posterior, expected / expected.sum(-1, keepdims=True), atol=1e-9)
+    assert np.abs(also.posterior - alone.posterior).max() > 0.01
+
+
 def test_copies_do_not_know_of_each_other(arm_mind, movement):
     """Three that feel differently, from the first moment on, do together what each does alone."""
     senses = feeling(arm_mind.pilot.schema, 3, 7)
@@ -217,7 +231,9 @@ def stopping(at):
 def test_an_early_end_is_a_result_and_later_attempts_go_on(arm, arm_mind, movement):
     def attempts(**how) -> list[Attempt]:
         body = load_body(arm)
-        return imitate(body, movement, arm_mind, attempts=3, rng=np.random.default_rng(0), witness=Angles(body), **how)
+        return imitate(
+            body, movement, arm_mind, attempts=3, rng=np.random.default_rng(0), witness=lambda: body.joint_angles, **how
+        )
 
     whole, (fell, early, last) = attempts(), attempts(ended=stopping([LEAD + 40, 10]))
     assert fell.ended == "fell, attempt 1" and fell.ended_tick == 40 and fell.selections == 120
