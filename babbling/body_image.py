@@ -15,12 +15,15 @@ The prior W ~ N(0, I) is the only smoothing; s is the seeing noise that remains 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
+from babbling.body import Body
 from babbling.errors import BabblingError
+from babbling.kinds import Numbers, kind
 from babbling.mirroring import MirrorExperience
 from babbling.organs import Organs
 from babbling.regression import Regression
@@ -36,11 +39,16 @@ LEAST_VARIANCE = 1e-9
 class PartImage:
     """One part: its senses (ascending), their middles, W, and the seeing noise s, rad per axis."""
 
-    joints: IntArray
-    centre: FloatArray
-    weights: FloatArray
-    """(3, 3, ..., 3) one axis of harmonics per joint, coordinates last."""
-    noise: float
+    joints: Annotated[IntArray, Numbers(".joint", low=0, index="factor")]
+    centre: Annotated[FloatArray, Numbers(".joint", "rad")]
+    weights: Annotated[FloatArray, Numbers(".harmonic coordinate:3")]
+    """(3 ** joints, 3) products of harmonics, the first joint's slowest; coordinates last."""
+    noise: Annotated[float, Numbers(unit="rad", low=0)]
+
+    def __post_init__(self) -> None:
+        count = len(self.joints)
+        if count > MOST_JOINTS or len(self.weights) != 3**count or (np.diff(self.joints) <= 0).any():
+            raise BabblingError(f"a part of {count} joints and {len(self.weights)} harmonics; n ascending ones and 3^n")
 
     def expected(self, postures: FloatArray) -> FloatArray:
         """(N, 3) E[direction | posture] at (N, F) postures; not quite unit vectors."""
@@ -66,16 +74,16 @@ class PartImage:
 class Image:
     """Where all parts of a body of F posture senses point, learned or known, and the postures one may take."""
 
-    images: Mapping[str, PartImage]
-    low: FloatArray
+    images: Annotated[Mapping[str, PartImage], Numbers("part")]
+    low: Annotated[FloatArray, Numbers("factor", "rad")]
     """(F,) least reading of the posture senses."""
-    high: FloatArray
+    high: Annotated[FloatArray, Numbers("factor", "rad")]
     """(F,) greatest."""
-    rest: FloatArray
+    rest: Annotated[FloatArray, Numbers("factor", "rad")]
     """(F,) posture it rests in: comfortable."""
-    library: FloatArray
+    library: Annotated[FloatArray, Numbers("posture factor", "rad")]
     """(K, F) postures to choose from: the discrete actions of Eq. (1)."""
-    doubt: FloatArray
+    doubt: Annotated[FloatArray, Numbers("posture part", "rad2", low=0)]
     """(K, P) variance of each part's direction in these postures, rad^2: noise, and what is not known yet."""
 
     @property
@@ -95,20 +103,41 @@ class Image:
         return unit
 
 
+@kind("body image", "`imitate correspondence` leaves such files")
 @dataclass(frozen=True)
 class BodyImage(Image):
     """An image learned in front of a mirror, from postures that were babbled, and how it came about."""
 
+    fingerprint: str
+    """Of the body that looked; see `babbling.body.Body`."""
     organs: Organs
-    minutes: float
+    minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time in front of the mirror."""
+
+    def check(self, body: Body) -> None:
+        """Refuse to look with somebody else's body.
+
+        Raises:
+            BabblingError: the fingerprints differ.
+        """
+        if self.fingerprint != body.fingerprint:
+            raise BabblingError(
+                f"this is another body's image (fingerprint {self.fingerprint}, this body has {body.fingerprint}): the "
+                "same robot, wear and scramble are needed; look into the mirror anew"
+            )
 
 
 LIBRARY = 200
 
 
 def learn_image(
-    experience: MirrorExperience, organs: Organs, low: FloatArray, high: FloatArray, rest: FloatArray, seed: int
+    experience: MirrorExperience,
+    organs: Organs,
+    low: FloatArray,
+    high: FloatArray,
+    rest: FloatArray,
+    seed: int,
+    fingerprint: str,
 ) -> BodyImage:
     """Body image of a mirror babble.
 
@@ -118,6 +147,7 @@ def learn_image(
         low, high: (F,) ranges of the posture senses.
         rest: (F,) posture of rest.
         seed: which postures are remembered for choosing.
+        fingerprint: of the body that looked.
 
     Raises:
         BabblingError: less experience than there are harmonics to learn.
@@ -133,7 +163,8 @@ def learn_image(
         order = np.argsort(-told, kind="stable")
         joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
         images[part], doubt[:, number] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2, library)
-    return BodyImage(MappingProxyType(images), low, high, rest.copy(), library, doubt, organs, experience.minutes)
+    found = MappingProxyType(images)
+    return BodyImage(found, low, high, rest.copy(), library, doubt, fingerprint, organs, experience.minutes)
 
 
 def _learned(
@@ -152,7 +183,7 @@ def _learned(
         sums.observe(phi, seen[block].reshape(-1, AVERAGED, q.shape[1], 3).mean(1).reshape(-1, 1, 3))
     fit, variance = sums.fit_with_noise(prior=1.0, least=LEAST_VARIANCE)
     variance *= AVERAGED
-    image = PartImage(joints, middle[joints], fit.coefficients[0].T.reshape(*(3,) * len(joints), 3), variance**0.5)
+    image = PartImage(joints, middle[joints], fit.coefficients[0].T.copy(), float(variance**0.5))
     unknown = fit.doubt(_features(library[:, joints] - middle[joints])[:, None])[:, 0]
     return image, variance * (1 + unknown / AVERAGED)
 

@@ -9,11 +9,12 @@ rate and action alone do not explain):
 Fitted by least squares to babbling. How much of the residual is slow is read off its autocorrelation.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.kinds import Numbers
 from babbling.regression import regress
 from babbling.schema import BodySchema
 
@@ -22,21 +23,24 @@ PERSISTENCE = 0.98
 SLOW_LAGS = range(4, 8)
 """Lags, ticks, at which what is left of the residual's autocorrelation counts as slow."""
 
+MOST = 1e4
+"""No coefficient of a body that moves within its ranges is larger."""
+
 
 class LinearDynamics(NamedTuple):
     """x' = transition x + control c + offset + noise, x = (posture, rate, bias)."""
 
-    transition: FloatArray
+    transition: Annotated[FloatArray, Numbers("motor state:3 state:3", low=-MOST, high=MOST)]
     """(F, 3, 3)."""
-    control: FloatArray
+    control: Annotated[FloatArray, Numbers("motor state:3", low=-MOST, high=MOST)]
     """(F, 3)."""
-    offset: FloatArray
+    offset: Annotated[FloatArray, Numbers("motor state:3", low=-MOST, high=MOST)]
     """(F, 3)."""
-    noise: FloatArray
+    noise: Annotated[FloatArray, Numbers("motor state:3 state:3", low=-MOST, high=MOST, covariance=True)]
     """(F, 3, 3) covariance per tick."""
-    bias_variance: FloatArray
+    bias_variance: Annotated[FloatArray, Numbers("motor", low=0, high=MOST)]
     """(F,) stationary variance of the bias, posture units squared."""
-    coasting: FloatArray
+    coasting: Annotated[FloatArray, Numbers("motor", "s", low=-MOST, high=MOST)]
     """(F,) k: displacement per tick and unit of rate when told to stay."""
 
 

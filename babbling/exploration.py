@@ -5,25 +5,27 @@ An exploration is an endless stream of (B, M) motor commands, one per control ti
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.kinds import Numbers
 
 
 @dataclass(frozen=True)
 class MotorRange:
     """What a babbler knows of its motors when it sets out."""
 
-    low: FloatArray
+    low: Annotated[FloatArray, Numbers("motor", "rad")]
     """(M,) least useful command."""
-    high: FloatArray
+    high: Annotated[FloatArray, Numbers("motor", "rad")]
     """(M,) greatest useful command."""
-    rest: FloatArray
+    rest: Annotated[FloatArray, Numbers("motor", "rad")]
     """(M,) command that keeps the body where it rests: where every exploration starts."""
-    speed: FloatArray
+    speed: Annotated[FloatArray, Numbers("motor", "rad/s", low=0)]
     """(M,) fastest useful change, command units per second."""
-    jitter: FloatArray
+    jitter: Annotated[FloatArray, Numbers("motor", "rad", low=0)]
     """(M,) standard deviation of tick-to-tick noise on the command, command units."""
 
 

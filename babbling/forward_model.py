@@ -10,8 +10,7 @@ relative frequencies, a row nobody tried is all zeros) or the linear-Gaussian fi
 Counts are integers: models learned apart are merged by adding, exactly, in any order.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +34,7 @@ class ForwardModel:
         outcome: the axis of what happens.
         factors: one label per factor, for people.
         prior_strength: pseudo-counts k of the linear-Gaussian prior; 0 for none (needed when an axis is categorical).
-        provenance: whose experience this is, kept beside the counts (saved with them).
+        fingerprint: of the body whose experience is counted.
     """
 
     def __init__(
@@ -46,12 +45,12 @@ class ForwardModel:
         *,
         factors: Sequence[str] = ("0",),
         prior_strength: float = 0.0,
-        provenance: Mapping[str, str | int | float] | None = None,
+        fingerprint: str = "",
     ) -> None:
         self.contexts, self.action, self.outcome = tuple(contexts), action, outcome
         self.factors = tuple(factors)
         self.prior_strength = float(prior_strength)
-        self.provenance: Mapping[str, str | int | float] = MappingProxyType(dict(provenance or {}))
+        self.fingerprint = fingerprint
         for axis in self.axes:
             if axis.factors != len(self.factors):
                 raise BabblingError(f"axis {axis.name!r} has {axis.factors} factors, the model has {len(self.factors)}")
@@ -134,7 +133,7 @@ class ForwardModel:
         Raises:
             BabblingError: the axes differ.
         """
-        if not same_axes(self, other):
+        if not same_axes(self.axes, other.axes):
             raise BabblingError("these forward models do not share their axes; only tables of one pilot can be merged")
         self.counts += other.counts
         self.outside += other.outside
@@ -149,7 +148,7 @@ class ForwardModel:
             self.outcome,
             factors=self.factors,
             prior_strength=self.prior_strength,
-            provenance=self.provenance,
+            fingerprint=self.fingerprint,
         )
 
     # --------------------------------------------------------------- predicting
@@ -281,6 +280,6 @@ class Rows(NamedTuple):
         return cells.read(visits)
 
 
-def same_axes(one: ForwardModel, other: ForwardModel) -> bool:
-    """Whether two forward models share every grid, so that their counts may be added."""
-    return len(one.axes) == len(other.axes) and all(a.same(b) for a, b in zip(one.axes, other.axes, strict=True))
+def same_axes(one: Sequence[Axis], other: Sequence[Axis]) -> bool:
+    """Whether these share every grid, so that what was counted on them may be added."""
+    return len(one) == len(other) and all(a.same(b) for a, b in zip(one, other, strict=True))

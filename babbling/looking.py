@@ -17,7 +17,7 @@ over s' of P(s'' | s', a_2) P(s' | s, a_1), taken at the mean of s'.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import count
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from babbling.axes import Axis, FloatArray, IntArray
 from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
+from babbling.kinds import Numbers
 from babbling.loop import explore, flat
 from babbling.pilot import symmetric, wire
 from babbling.reading import Transitions
@@ -48,13 +49,13 @@ LEAST_SIGHTINGS = 60
 class Retina(NamedTuple):
     """Which sense lines are image coordinates: a baby is born with eyes, not with what they tell."""
 
-    first: int
+    first: Annotated[int, Numbers(low=1, high=1000)]
     """Sense line of the first thing's first coordinate; before it stand the motors' senses."""
-    coordinates: int
+    coordinates: Annotated[int, Numbers(low=2, high=4)]
     """C, coordinates of one thing: u and v in one eye or in both."""
-    centre: FloatArray
+    centre: Annotated[FloatArray, Numbers("coordinate", "px")]
     """(C,) middle of the image along each coordinate, pixels."""
-    half: FloatArray
+    half: Annotated[FloatArray, Numbers("coordinate", "px", low=0, zero=False)]
     """(C,) half of the image along each coordinate, pixels."""
 
     @classmethod
@@ -74,11 +75,11 @@ class Retina(NamedTuple):
 class Reach:
     """Which saccades are babbled."""
 
-    low: FloatArray
+    low: Annotated[FloatArray, Numbers("motor", "rad")]
     """(M,) least posture, rad."""
-    high: FloatArray
+    high: Annotated[FloatArray, Numbers("motor", "rad")]
     """(M,) greatest posture, rad."""
-    largest: FloatArray
+    largest: Annotated[FloatArray, Numbers("motor", "rad", low=0)]
     """(M,) largest change of posture in one saccade, rad."""
 
 
@@ -97,11 +98,16 @@ class LookingPilot:
     retina: Retina
     reach: Reach
     schema: BodySchema
-    line: FloatArray
+    line: Annotated[FloatArray, Numbers("factor term")]
     """(F, T) the efference copy: least squares of the pilot on `copy_terms`, pixels."""
-    outcome: Axis
+    outcome: Annotated[Axis, Numbers("factor")]
     fingerprint: str
-    minutes: float
+    minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
+
+    def __post_init__(self) -> None:
+        first, coordinates, centre, _ = self.retina
+        if coordinates not in (2, 4) or len(centre) != coordinates or not (self.schema.posture < first).all():
+            raise BabblingError("one or two eyes, and motors that are felt before them, are needed; babble anew")
 
     @property
     def reading(self) -> "LookingPilot":
@@ -173,9 +179,8 @@ class LookingPilot:
         labels = [f"motor {m} moves {sides[c]}" for m, c in zip(self.motor, self.coordinate, strict=True)]
         largest = 1.02 * reach.largest[self.motor] + margin
         action = Axis("action", "rad", -largest, largest, GRID[3])
-        notes = {"body": self.fingerprint}
         axes = ((u, v, *postures), action, self.outcome)
-        return ForwardModel(*axes, factors=labels, prior_strength=PRIOR_STRENGTH, provenance=notes)
+        return ForwardModel(*axes, factors=labels, prior_strength=PRIOR_STRENGTH, fingerprint=self.fingerprint)
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
         """Saccades of one motor at a time, from where the last one went."""

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel
+from babbling.forward_model import ForwardModel, same_axes
+from babbling.kinds import Numbers, kind
 from babbling.loop import babble, bouts
 from babbling.pilot import Pilot, pilot
 
@@ -17,9 +19,9 @@ from babbling.pilot import Pilot, pilot
 class Temper:
     """How a mind acts on what it knows, found by rehearsal (`imitation.acting.rehearsal`), never set by hand."""
 
-    eagerness: FloatArray
+    eagerness: Annotated[FloatArray, Numbers("motor", low=0, high=2, zero=False)]
     """(F,) share of the believed error to be undone within one tick."""
-    habit: FloatArray
+    habit: Annotated[FloatArray, Numbers("motor", low=0, high=100)]
     """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior."""
 
     @classmethod
@@ -28,16 +30,23 @@ class Temper:
         return cls(np.full(factors, 0.5), np.ones(factors))
 
 
+@kind("mind", "make one with `imitate babble`")
 @dataclass(frozen=True)
 class Mind:
     """Body schema, axes, dynamics (`pilot`) and forward model of one body."""
 
     fingerprint: str
     """Of the body that babbled; see `babbling.body.Body`."""
-    seed: int
+    seed: Annotated[int, Numbers(low=0, high=2**63)]
     pilot: Pilot
-    forward_model: ForwardModel
+    forward_model: Annotated[ForwardModel, Numbers("motor")]
     temper: Temper
+
+    def __post_init__(self) -> None:
+        if not same_axes(self.forward_model.axes, (self.pilot.rate, self.pilot.action, self.pilot.outcome)):
+            raise BabblingError("the forward model has other axes than its pilot found; babble anew")
+        if len(self.pilot.schema.rate) != len(self.pilot.schema.posture):
+            raise BabblingError("each motor needs a sense that says how fast it moves; babble anew")
 
     def check(self, body: Body) -> None:
         """Refuse to act with somebody else's body.

@@ -11,13 +11,15 @@ which part, somebody else has just moved (`imitation.correspondence.organ`).
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray, IntArray
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel
+from babbling.forward_model import ForwardModel, same_axes
+from babbling.kinds import Numbers
 from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience, angles_between
 
 EDGES_DEG = (1.0, 2.0, 4.0, 7.0, 12.0, 20.0, 35.0)
@@ -36,8 +38,12 @@ class Organs:
     amounts: P(amount | motor or nothing), one factor per part. information: (P, F) bits.
     """
 
-    amounts: ForwardModel
-    information: FloatArray
+    amounts: Annotated[ForwardModel, Numbers("part")]
+    information: Annotated[FloatArray, Numbers("part factor", "bit", low=0, high=64)]
+
+    def __post_init__(self) -> None:
+        if not same_axes(self.amounts.axes, empty_amounts(self.parts, self.information.shape[1]).axes):
+            raise BabblingError("amounts turned are counted on other axes than organs need; look into the mirror anew")
 
     @property
     def parts(self) -> tuple[str, ...]:

@@ -8,15 +8,17 @@ state estimate. A mind starts from two ranges (motors, senses) and a tick; it as
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import repeat
+from typing import Annotated
 
 import numpy as np
 
 from babbling.axes import Axis, FloatArray
 from babbling.body import Body
-from babbling.dynamics import LinearDynamics, fit_dynamics
+from babbling.dynamics import MOST, LinearDynamics, fit_dynamics
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, smooth
 from babbling.forward_model import ForwardModel
+from babbling.kinds import Numbers
 from babbling.loop import explore, flat
 from babbling.reading import Proprioception
 from babbling.schema import BodySchema, find_schema
@@ -41,13 +43,13 @@ class Pilot:
 
     schema: BodySchema
     motors: MotorRange
-    coasting: FloatArray
+    coasting: Annotated[FloatArray, Numbers("motor", "s", low=-MOST, high=MOST)]
     """(F,) s: displacement in one tick per unit of rate when told to stay."""
     dynamics: LinearDynamics
-    rate: Axis
-    action: Axis
-    outcome: Axis
-    minutes: float
+    rate: Annotated[Axis, Numbers("motor")]
+    action: Annotated[Axis, Numbers("motor")]
+    outcome: Annotated[Axis, Numbers("motor")]
+    minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time the pilot took."""
 
     @property

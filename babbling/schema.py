@@ -7,12 +7,14 @@ gives the efference copy: what posture a command asks for.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from babbling.axes import FloatArray, IntArray
 from babbling.errors import BabblingError
+from babbling.kinds import Numbers
 from babbling.regression import regress
 
 BINS = 12
@@ -25,19 +27,19 @@ LEAST_BITS = 0.1
 class BodySchema:
     """Factor f = motor f: its senses, its efference copy, its noise."""
 
-    posture: IntArray
+    posture: Annotated[IntArray, Numbers("motor", low=0, index="sense")]
     """(F,) sense line that motor f moves."""
-    rate: IntArray
+    rate: Annotated[IntArray, Numbers("rate_sense", low=0, index="sense")]
     """(F,) sense line that reports how fast it moves; (0,) where the senses are too few for that."""
-    offset: FloatArray
+    offset: Annotated[FloatArray, Numbers("motor", "rad")]
     """(F,) posture that command 0 asks for, sense units."""
-    slope: FloatArray
+    slope: Annotated[FloatArray, Numbers("motor", zero=False)]
     """(F,) posture per unit of command: commanded posture = offset + slope * motor."""
-    noise: FloatArray
+    noise: Annotated[FloatArray, Numbers("motor", "rad", low=0, zero=False)]
     """(F,) standard deviation of the posture sense: at rest, and of its resolution (a step of r has r / sqrt(12))."""
-    rate_noise: FloatArray
+    rate_noise: Annotated[FloatArray, Numbers("rate_sense", "rad/s", low=0, zero=False)]
     """(F,) the same of the rate sense."""
-    information: FloatArray
+    information: Annotated[FloatArray, Numbers("motor sense", "bit", low=0, high=64)]
     """(M, S) mutual information of motor and sense, bits: the picture of the body schema."""
 
     def efference(self, motors: FloatArray) -> FloatArray:

@@ -1,24 +1,33 @@
 """What was learned of looking, asked in the terms of looking."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel
-from babbling.looking import LookingPilot, Retina
+from babbling.forward_model import ForwardModel, same_axes
+from babbling.kinds import Numbers, kind
+from babbling.looking import LookingPilot, Retina, copy_terms
 
 
+@kind("eyes", "`imitate saccades` leaves such files")
 @dataclass(frozen=True)
 class LookingMind:
     """What oculomotor babbling leaves: pilot and forward model."""
 
     pilot: LookingPilot
-    forward_model: ForwardModel
-    minutes: float
+    forward_model: Annotated[ForwardModel, Numbers("factor")]
+    minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time of the babbling, the pilot's not counted in."""
+
+    def __post_init__(self) -> None:
+        terms = copy_terms(*np.zeros((2 + len(self.pilot.reach.low), 1))).shape[-1]
+        fits = same_axes(self.forward_model.axes, self.pilot.forward_model().axes)
+        if not fits or self.pilot.line.shape[-1] != terms:
+            raise BabblingError("the forward model has other axes than its pilot found; babble anew")
 
     def expect(self, things: FloatArray, posture: FloatArray, change: FloatArray, *, table: bool = True) -> FloatArray:
         """(..., C) where things (..., C) will be after a saccade of all motors from (..., M) by (..., M), pixels.

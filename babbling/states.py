@@ -80,7 +80,7 @@ class Wanderer:
             Axis.categorical("action", self.actions, self.factors),
             Axis.categorical("outcome", self.states.outcomes, self.factors),
             factors=[str(i) for i in range(self.factors)],
-            provenance={"body": self.fingerprint},
+            fingerprint=self.fingerprint,
         )
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:

@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from babbling.kinds import Numbers
 from imitation.errors import ImitationError
 
 IntArray = NDArray[np.int64]
@@ -19,11 +21,11 @@ class Episode:
         ImitationError: states and actions whose numbers do not fit, or no state at all.
     """
 
-    goal: int
+    goal: Annotated[int, Numbers(low=0)]
     """Index k of the goal S_k, from 0."""
-    states: IntArray
+    states: Annotated[IntArray, Numbers(".visit", low=0)]
     """(T + 1,) state numbers, before the first step and after each."""
-    actions: IntArray
+    actions: Annotated[IntArray, Numbers(".step", low=0)]
     """(T,) action numbers."""
 
     def __post_init__(self) -> None:

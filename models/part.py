@@ -30,6 +30,7 @@ class PartOfBody:
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self.tick_s = whole.tick_s
         self.fingerprint = whole.fingerprint
+        self.motor_labels = tuple(motors)  # for people only
         self._home = whole.command_angles(whole.joint_angles)
 
     @property

@@ -7,23 +7,40 @@ import re
 import runpy
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.typing import NDArray
 
+import babbling.looking
+import babbling.pilot
 from babbling.axes import Axis
 from babbling.body import Body
+from babbling.body_image import BodyImage, learn_image
 from babbling.errors import BabblingError
+from babbling.files import VERSION, load, save
+from babbling.forward_model import ForwardModel
+from babbling.kinds import KINDS
+from babbling.looking import pilot_looking
+from babbling.loop import babble
+from babbling.mind import Mind, learn
+from babbling.mirroring import mirror_babble
+from babbling.organs import find_organs
+from babbling.sight import LookingMind
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import opposite
 from experiments.shared.eyes import EyeOptions, nursery
+from experiments.shared.minds import Interrupted
+from imitation.deferred import HeadMemory, StepMemory
+from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
 from models.body import SimulatedBody
@@ -37,7 +54,8 @@ from models.seeing_body import SeeingBody, watching_body
 from models.teachers import robots as teaching
 from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.performing import perform
-from tests.babbling.creature import Creature
+from tests.babbling.creature import Creature, motors, schema
+from tests.babbling.test_looking import REACH, GeometricHead
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
@@ -260,3 +278,153 @@ def test_a_selection_is_an_action_of_the_axis(name: str, axis: Axis) -> None:
     assert (np.abs(chosen - [axis.points[0, 1], axis.points[1, 2]]) <= axis.step + 1e-12).all()
     again = [rule(posteriors, axis, np.random.default_rng(4)) for _ in range(2)]
     np.testing.assert_array_equal(*again)
+
+
+FILES: dict[str, Callable[[Mind], object]] = {
+    "mind": lambda mind: mind,
+    "interrupted babble": lambda mind: Interrupted(mind, 1.0, 0.1, 1),
+    "eyes": lambda mind: eyes(),
+    "body image": lambda mind: learned_image(),
+    "maze memory": lambda mind: StepMemory(
+        counted_moves(),
+        (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
+    ),
+    "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
+}
+FOR_PEOPLE = ("_name", "_probability")
+"""Variables that nobody reads back end so."""
+
+
+def eyes() -> LookingMind:
+    """A head that has looked about for a moment."""
+    found = pilot_looking(GeometricHead(), REACH, 0)
+    return LookingMind(found, babble(GeometricHead(), found, (12,), 0), 0.5)
+
+
+def learned_image() -> BodyImage:
+    body = Creature()
+    seen, end = mirror_babble(body, body, schema(), motors(), 3.0, 0), np.full(5, 1.5)
+    return learn_image(seen, find_organs(seen), -end, end, 0 * end, 0, body.fingerprint)
+
+
+def walk(goal: int, states: list[int], actions: list[int]) -> Episode:
+    return Episode(goal, np.array(states), np.array(actions, int))
+
+
+def counted_moves() -> ForwardModel:
+    moves = ForwardModel((), Axis.categorical("action", ("N", "S")), Axis.categorical("outcome", ("N", "S", "X")))
+    moves.observe((), np.array([[0], [0], [1]]), np.array([[0], [2], [1]]))
+    return moves
+
+
+@pytest.fixture(scope="module")
+def kept(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:
+    """A file of every kind."""
+    paths = {name: tmp_path_factory.mktemp("kinds") / f"{name}.nc" for name in FILES}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(babbling.looking, "GRID", (3, 3, 3, 5, 7))  # small files are tried sooner
+        patch.setattr(babbling.pilot, "GRID", (3, 9, 9))
+        mind = learn(load_body(arm, copies=8), minutes=0.5, seed=0)
+        for name, path in paths.items():
+            save(FILES[name](mind), path)
+        yield paths
+
+
+def read_variables(path: Path) -> dict[str, tuple[NDArray[np.generic], bool]]:
+    """What is in a file, bare dimensions apart, and whether it is read back."""
+    with h5py.File(path) as file:
+        bare = {name for name in file if b"not a netCDF variable" in file[name].attrs.get("NAME", b"")}
+        return {name: (file[name][()], not name.endswith(FOR_PEOPLE)) for name in file if name not in bare}
+
+
+def refused(path: Path, name: str) -> str:
+    """The one line that this file is refused with."""
+    with pytest.raises(KINDS[name].error) as caught:
+        load(path, KINDS[name].holds)
+    assert type(caught.value) is KINDS[name].error
+    said = str(caught.value)
+    assert str(path) in said and len(said.splitlines()) == 1 and said.isprintable()
+    return said
+
+
+def test_every_kind_of_file_is_tried() -> None:
+    assert set(FILES) == set(KINDS)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_comes_back_to_the_last_bit(name: str, kept: dict[str, Path], tmp_path: Path) -> None:
+    save(load(kept[name], KINDS[name].holds), tmp_path / "again.nc")
+    before, after = read_variables(kept[name]), read_variables(tmp_path / "again.nc")
+    assert before.keys() == after.keys()
+    for variable, (values, _) in before.items():
+        assert values.dtype == after[variable][0].dtype and values.tobytes() == after[variable][0].tobytes(), variable
+    assert (tmp_path / "again.nc").read_bytes() == kept[name].read_bytes()
+    with xr.open_dataset(kept[name], engine="h5netcdf") as data:
+        assert set(map(str, data.variables)) == set(before)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_missing_misshapen_or_no_number_is_named(name: str, kept: dict[str, Path], tmp_path: Path) -> None:
+    path, before = tmp_path / "spoiled.nc", read_variables(kept[name])
+    for turn, (variable, (values, wanted)) in enumerate(before.items()):
+        kind = values.dtype.kind
+        other = np.zeros(values.shape, "S2" if kind == "S" else np.float32)
+        spoiled = [None, (np.stack([values, values]), other)[turn % 2]]
+        if kind != "S" and values.size:
+            spoiled.append(np.full_like(values, {"f": (np.nan, -np.inf, 1e30)[turn % 3], "i": -(2**63)}[kind]))
+        for bad in spoiled:
+            path.write_bytes(kept[name].read_bytes())
+            with h5py.File(path, "r+") as file:
+                del file[variable]
+                if bad is not None:
+                    file[variable] = bad
+            if wanted:
+                assert variable.removesuffix("_points") in refused(path, name), (variable, bad)
+            else:
+                load(path, KINDS[name].holds)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_other_kinds_versions_and_no_files_are_refused(name: str, kept: dict[str, Path], tmp_path: Path) -> None:
+    for other in set(FILES) - {name}:
+        assert f"not a file of kind 'imitation-laboratory {name}'" in refused(kept[other], name)
+    path = tmp_path / "version.nc"
+    for version in (-5, 0, VERSION + 1, 1.5, "2", np.nan):
+        path.write_bytes(kept[name].read_bytes())
+        with h5py.File(path, "r+") as file:
+            file.attrs["version"] = version
+        assert f"written in version {version}," in refused(path, name)
+    os.mkfifo(tmp_path / "pipe")
+    for place in (tmp_path / "pipe", Path("/dev/zero")):
+        assert "no regular file" in refused(place, name)
+    assert "a directory" in refused(tmp_path, name)
+    assert "no such file" in refused(tmp_path / "none.nc", name)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_cut_and_garbled_files_are_one_line(name: str, kept: dict[str, Path], tmp_path: Path) -> None:
+    whole, rng, path = kept[name].read_bytes(), np.random.default_rng(0), tmp_path / "garbled.nc"
+    for share in (0.0, 0.1, 0.5, 0.9, 0.99):
+        path.write_bytes(whole[: int(share * len(whole))])
+        assert "not a readable NetCDF-4 file" in refused(path, name)
+    for flips in (1, 3, 20, 200) * 10:
+        garbled = np.frombuffer(whole, np.uint8).copy()
+        garbled[rng.integers(0, len(whole), flips)] ^= rng.integers(1, 256, flips, dtype=np.uint8)
+        path.write_bytes(garbled.tobytes())
+        assert "damaged" in refused(path, name)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_numbers_that_were_changed_are_possible_or_one_line(name: str, kept: dict[str, Path], tmp_path: Path) -> None:
+    """Written by another program, a file has no seal: whatever its numbers are, they are judged."""
+    rng, path = np.random.default_rng(0), tmp_path / "changed.nc"
+    for variable, (values, _) in read_variables(kept[name]).items():
+        bits = np.frombuffer(values.tobytes() or b"none", np.uint8).copy()
+        bits[rng.integers(0, len(bits), 3)] ^= rng.integers(1, 256, 3, dtype=np.uint8)
+        path.write_bytes(kept[name].read_bytes())
+        with h5py.File(path, "r+") as file:
+            file[variable][...] = np.frombuffer(bits.tobytes()[: values.nbytes], values.dtype).reshape(values.shape)
+        try:
+            load(path, KINDS[name].holds)
+        except KINDS[name].error as error:
+            assert str(error).isprintable()

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from babbling.storage import check_kind
+from babbling.files import is_kind
+from babbling.mind import Mind
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import babbling_curve
@@ -61,7 +62,8 @@ def check_file(out: Path) -> None:
         if out.suffix != ".nc":
             raise ExperimentError(f"--out {out}: a forward model's file ends in .nc; name it {out.stem or 'robot'}.nc")
         if out.exists():
-            check_kind(out)
+            if not is_kind(out, Mind):
+                raise ExperimentError(f"{out}: this is no forward model and would be lost; choose another name")
         elif taken := [p for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]:
             raise ExperimentError(
                 f"--out {out}: {taken[0].name} is there already and would be lost; choose another name"

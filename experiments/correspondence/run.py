@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.errors import BabblingError
-from babbling.image_storage import save_image
+from babbling.files import load, save
+from babbling.mind import Mind
 from babbling.mirroring import MirrorExperience
 from babbling.pilot import pilot
-from babbling.storage import load_mind
 from experiments.correspondence.acts import act_study
 from experiments.correspondence.figures import figures
 from experiments.correspondence.found import Hidden, Row, Studied, shown
@@ -40,7 +40,7 @@ def run(config: Config) -> Result:
     body = body_of(options, 1, stream=13)
     performances = {name: perform(name) for name in config.demonstrations}
     if config.forward_model is not None:
-        mind, _ = load_mind(config.forward_model)
+        mind = load(config.forward_model, Mind)
         mind.check(body)
         found = mind.pilot
     else:
@@ -68,12 +68,13 @@ def run(config: Config) -> Result:
     done = Studied(config, clean, noisy, rows, curve, hidden, acts)
     metrics = measure(done)
     summary = summarise(metrics, rows)
+    labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
     return Result(
         metrics,
         summary,
         figures(done),
         lambda path: record(path, done, summary),
-        {"body_image.nc": lambda path: save_image(clean.image, path, body.fingerprint, seed=config.seed)},
+        {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)},
     )
 
 

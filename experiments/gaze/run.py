@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking_storage import load_looking, save_looking
+from babbling.files import load, save
 from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
@@ -33,6 +33,7 @@ from experiments.shared.judging import calibration_error
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
+from models.robots import head_of
 from models.seeing_body import head_fingerprint
 
 FloatArray = NDArray[np.float64]
@@ -88,7 +89,8 @@ def run(config: Config) -> Result:
     found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode)
     metrics = _metrics(config, found)
     summary = _summary(metrics)
-    files = {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=config.seed)}
+    labels = {"motor": head_of(config.robot).motors}
+    files = {"eyes.nc": lambda path: save(mind, path, labels, robot=config.robot, seed=config.seed)}
     return Result(
         metrics,
         summary,
@@ -126,7 +128,7 @@ def _check(config: Config) -> FloatArray | None:
 
 def _eyes(config: Config) -> LookingMind:
     if config.learned_eyes is not None:
-        mind = load_looking(config.learned_eyes)
+        mind = load(config.learned_eyes, LookingMind)
         if mind.pilot.fingerprint != head_fingerprint(config.robot):
             raise ExperimentError(
                 f"--learned-eyes {config.learned_eyes}: these eyes belong to another body (fingerprint "

@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from babbling.storage import load_mind
+from babbling.files import load
+from babbling.mind import Mind
 from experiments.errors import ExperimentError
 from experiments.head.figures import recalled
 from experiments.head.options import Config
@@ -13,7 +14,7 @@ from experiments.head.recording import record_recall, record_search
 from experiments.shared.caregiver import Search
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
-from imitation.head_memory import load_head_memory
+from imitation.deferred import HeadMemory
 from models.seeing_body import head_fingerprint, watching_body
 
 
@@ -43,12 +44,12 @@ def from_memory(config: Config) -> Result:
         BabblingError: a file that is none, or one of another body.
     """
     assert config.memory is not None
-    memory = load_head_memory(config.memory)
+    memory = load(config.memory, HeadMemory)
     memory.check(head_fingerprint(config.robot))
     beside = config.memory.with_name("mind.nc")
     if not beside.exists():
         raise ExperimentError(f"--memory {config.memory}: its mind.nc must lie beside it; keep the run's folder whole")
-    mind, _ = load_mind(beside)
+    mind = load(beside, Mind)
     mind.check(watching_body(config.robot))
     imitated = reproduce(memory, mind, config.robot, config.selection, config.seed)
     away = rmse_deg(imitated, memory.pose)

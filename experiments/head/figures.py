@@ -13,7 +13,7 @@ from experiments.shared.caregiver import FACE
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
 from experiments.shared.views import AXES
-from imitation.head_memory import HeadMemory
+from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 

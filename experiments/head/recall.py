@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from babbling.files import load, save
 from babbling.mind import Mind
-from babbling.storage import load_mind, save_mind
 from experiments.shared.fresh_process import RESULT, in_new_process
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
-from imitation.head_memory import HeadMemory, load_head_memory, save_head_memory
+from imitation.deferred import HeadMemory
 from models.seeing_body import head_fingerprint, watching_body
 
 FloatArray = NDArray[np.float64]
@@ -41,15 +41,15 @@ def reproduce_elsewhere(memory: HeadMemory, mind: Mind, robot: str, selection: s
     Raises:
         ExperimentError: the process failed; its last line is told.
     """
-    files = {"memory.nc": partial(save_head_memory, memory), "mind.nc": partial(save_mind, mind)}
+    files = {"memory.nc": partial(save, memory), "mind.nc": partial(save, mind)}
     return in_new_process(__name__, files, robot, selection, seed)["angles"]
 
 
 def main(words: list[str]) -> None:
     """See the module."""
     folder, robot, selection, seed = Path(words[0]), words[1], words[2], int(words[3])
-    mind, _ = load_mind(folder / "mind.nc")
-    np.savez(folder / RESULT, angles=reproduce(load_head_memory(folder / "memory.nc"), mind, robot, selection, seed))
+    memory, mind = load(folder / "memory.nc", HeadMemory), load(folder / "mind.nc", Mind)
+    np.savez(folder / RESULT, angles=reproduce(memory, mind, robot, selection, seed))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search, Sequenc
 from experiments.shared.eyes_recording import log_balls, log_eyes, log_head, log_points, log_rings, log_stage
 from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
 from experiments.shared.recording import log_series, recording
-from imitation.head_memory import HeadMemory
+from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babbling.files import save
 from babbling.mind import Mind, learn
-from babbling.storage import save_mind
 from experiments.head.alone import from_memory, nobody
 from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
@@ -27,9 +27,10 @@ from experiments.shared.caregiver import (
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import reach_of, retina_of
 from experiments.shared.judging import rmse_deg
+from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.head_memory import HeadMemory, save_head_memory
+from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Appearance, watch
 from models.biclops.movements import TICK_S, movement
 from models.seeing_body import head_fingerprint, watching_body
@@ -183,8 +184,10 @@ def _result(
         figures(appearance, seen, performed, crossed),
         lambda path: record(path, config, sequences, appearance, seen[0], performed[0], crossed, summary),
         {
-            "memory.nc": lambda path: save_head_memory(remembered(config, seen[0], config.movement), path),
-            "mind.nc": lambda path: save_mind(mind, path, robot=config.robot),
+            "memory.nc": lambda path: save(
+                remembered(config, seen[0], config.movement), path, {"axis": ("pan", "tilt")}
+            ),
+            "mind.nc": lambda path: save(mind, path, people_say(watching_body(config.robot)), robot=config.robot),
         },
     )
 

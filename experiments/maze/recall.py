@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from babbling.files import load, save
 from experiments.maze.mind import Experience, imitate, wanderer
 from experiments.shared.fresh_process import RESULT, Files, in_new_process
 from imitation.acting.follow import Decisions, Journey
-from imitation.deferred import Memory, load_memory, save_memory
+from imitation.deferred import StepMemory
 from models.maze import Maze, MazeBody, draw, read_maze
 
 
@@ -23,17 +24,18 @@ def recall(memory_file: Path, maze: Maze) -> Experience:
     Raises:
         BabblingError: a file that is no memory, or one of another maze.
     """
-    memory = load_memory(memory_file, goals=len(maze.goals), states=maze.cells)
-    return Experience(maze, memory.recall_onto(wanderer(MazeBody(maze)).forward_model()), memory.episodes)
+    memory = load(memory_file, StepMemory)
+    memory.check(wanderer(MazeBody(maze)).forward_model(), len(maze.goals), maze.cells)
+    return Experience(maze, memory.forward_model, memory.episodes)
 
 
-def imitate_elsewhere(memory: Memory, maze: Maze, goal: int, selection: str, seed: int) -> Journey:
+def imitate_elsewhere(memory: StepMemory, maze: Maze, goal: int, selection: str, seed: int) -> Journey:
     """Imitate from a memory in a process of its own.
 
     Raises:
         ExperimentError: the process failed; its last line is told.
     """
-    files: Files = {"memory.nc": partial(save_memory, memory), "maze.txt": lambda path: path.write_text(draw(maze))}
+    files: Files = {"memory.nc": partial(save, memory), "maze.txt": lambda path: path.write_text(draw(maze))}
     left = in_new_process(__name__, files, goal, selection, seed)
     decisions = Decisions._make(left[name] for name in Decisions._fields)
     return Journey(left["states"], decisions, left["steps"], left["reached"])

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from babbling.axes import Axis, FloatArray
+from babbling.files import save
 from experiments.errors import ExperimentError
 from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
 from experiments.maze.learning import Curve, walkers
@@ -31,7 +32,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from imitation.acting.follow import Journey, believed
-from imitation.deferred import remember, save_memory
+from imitation.deferred import StepMemory
 from imitation.inference.intent import in_blocks
 from imitation.inference.priors import check_goal_prior, check_smoothing
 from imitation.inference.selection import selection_rule
@@ -61,7 +62,7 @@ def run(config: Config) -> Result:
     missing = [g for g in range(1, len(maze.goals) + 1) if not experience.towards(g)]
     if missing:
         raise ExperimentError(f"nobody was watched going to goal {missing[0]}; every goal needs a demonstration")
-    memory = remember(experience.forward_model, experience.episodes)
+    memory = StepMemory(experience.forward_model, experience.episodes)
     if config.deferred:
         journey = imitate_elsewhere(memory, maze, config.goal, config.selection, config.seed)
     else:
@@ -97,7 +98,7 @@ def run(config: Config) -> Result:
         figures |= found.figures
         summary += found.summary
     files = {
-        "memory.nc": lambda path: save_memory(memory, path),
+        "memory.nc": lambda path: save(memory, path),
         "demonstrations.csv": lambda path: write_walks(walks, path),
         "unseen_walk.csv": lambda path: write_walks([unseen], path),
     }

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking_storage import save_looking
+from babbling.files import save
 from babbling.reading import Transitions
 from babbling.sight import LookingMind
 from experiments.saccades.figures import figures
@@ -109,12 +109,13 @@ def run(config: Config) -> Result:
     summary, name = _summary(metrics), f"{config.robot} looks about, seed {seed}"
     toys = {toy: places[0] for toy, places in zip(TOYS, toy_places(1, seed), strict=True)}
     seen = onlook(body.model, config.robot, np.stack([g.angles for g in glances]), None, toys)
+    labels = {"motor": head_of(config.robot).motors}
     return Result(
         metrics,
         summary,
         figures(mind, unseen, expected(mind, unseen), fixated, curve),
         lambda path: record(path, seen, head_of(config.robot).table, glances, summary, name),
-        {"eyes.nc": lambda path: save_looking(mind, path, robot=config.robot, seed=seed)},
+        {"eyes.nc": lambda path: save(mind, path, labels, robot=config.robot, seed=seed)},
     )
 
 

@@ -1,25 +1,27 @@
 """Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from babbling.files import load, save
 from babbling.forward_model import ForwardModel
+from babbling.kinds import Numbers, kind
 from babbling.loop import babble, bouts, experience, flat
 from babbling.mind import Mind, Temper
 from babbling.pilot import Pilot, pilot
-from babbling.storage import load_mind, save_mind
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
-from experiments.shared.options import BodyOptions
+from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from imitation.acting.rehearsal import rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
+from models.part import PartOfBody
 
 COPIES = 64
 BARE_TICKS = 100
@@ -44,6 +46,23 @@ class Learned:
     mind: Mind
     metrics: dict[str, Any] = field(default_factory=dict)
     curve: LearningCurve | None = None
+
+
+@kind("interrupted babble", "move or delete the file", ExperimentError)
+@dataclass(frozen=True)
+class Interrupted:
+    """A mind that has not babbled to the end, and what is needed to go on."""
+
+    mind: Mind
+    minutes: Annotated[float, Numbers(unit="min", low=0, high=LONGEST_MINUTES)]
+    """Body time of the whole babble."""
+    noise_deg: Annotated[float, Numbers(unit="degree", low=0, high=30)]
+    bouts_done: Annotated[int, Numbers(low=0)]
+
+
+def people_say(body: SimulatedBody | PartOfBody) -> Mapping[str, Sequence[str]]:
+    """Joint names, for files that people read; the mind is never told."""
+    return {"motor": body.motor_labels, "sense": body.senses.labels}
 
 
 class HeldOut:
@@ -107,7 +126,7 @@ def learn_mind(
             held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
         if checkpoint is not None and done < len(plan):
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-            save_mind(mind, checkpoint, minutes=minutes, bouts_done=done, noise_deg=options.sensor_noise_deg)
+            save(Interrupted(mind, minutes, options.sensor_noise_deg, done), checkpoint)
         report(0.95 * done / len(plan))
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
@@ -149,9 +168,9 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
     """A mind from a file, checked against the body.
 
     Raises:
-        BabblingError: see `load_mind` and `Mind.check`.
+        BabblingError: see `load` and `Mind.check`.
     """
-    mind, _ = load_mind(path)
+    mind = load(path, Mind)
     mind.check(body_of(options, 1))
     model = mind.forward_model
     per_factor = model.transitions / len(model.factors)
@@ -170,9 +189,10 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
 
 def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: float) -> None:
     """Write the mind with what a reader may want to know."""
-    save_mind(
+    save(
         learned.mind,
         path,
+        people_say(body_of(options, 1)),
         robot=options.robot,
         minutes=minutes,
         noise_deg=options.sensor_noise_deg,
@@ -185,19 +205,11 @@ def _resume(
 ) -> tuple[Pilot | None, ForwardModel | None, int]:
     if checkpoint is None or not checkpoint.exists():
         return None, None, 0
-    mind, notes = load_mind(checkpoint)
-    done = notes.get("bouts_done", -1)
-    if not isinstance(done, int | np.integer) or not 0 <= done < len(plan):
-        raise ExperimentError(f"{checkpoint}: this is no interrupted babble; move or delete the file")
-    same = (
-        mind.fingerprint == body.fingerprint
-        and mind.seed == options.seed
-        and float(notes.get("minutes", -1)) == minutes
-        and float(notes.get("noise_deg", -1)) == options.sensor_noise_deg
-    )
-    if not same:
+    left = load(checkpoint, Interrupted)
+    asked = body.fingerprint, options.seed, minutes, options.sensor_noise_deg
+    if asked != (left.mind.fingerprint, left.mind.seed, left.minutes, left.noise_deg) or left.bouts_done >= len(plan):
         raise ExperimentError(
             f"{checkpoint}: an interrupted babble of another body, seed, noise or length is here; "
             "repeat that command to finish it, or delete the file"
         )
-    return mind.pilot, mind.forward_model, int(done)
+    return left.mind.pilot, left.mind.forward_model, left.bouts_done

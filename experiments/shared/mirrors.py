@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.body_image import BodyImage, learn_image
-from babbling.image_storage import load_image
+from babbling.files import load
 from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
@@ -52,7 +52,8 @@ def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -
     lines = pilot.schema.posture
     rest = body.reset()[0][lines]
     organs = find_organs(experience)
-    return learn_image(experience, organs, body.sense_low[lines], body.sense_high[lines], rest, options.seed)
+    low, high = body.sense_low[lines], body.sense_high[lines]
+    return learn_image(experience, organs, low, high, rest, options.seed, body.fingerprint)
 
 
 def take_image(
@@ -60,7 +61,8 @@ def take_image(
 ) -> tuple[BodyImage, dict[str, Any]]:
     """A body image from a file, or learned now; and what it cost."""
     if path is not None:
-        image = load_image(path, body_of(options, 1).fingerprint)
+        image = load(path, BodyImage)
+        image.check(body_of(options, 1))
         return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": 0.0}
     started = time.perf_counter()
     image = image_of(look_into_mirror(options, pilot, eyes, report), options, pilot)

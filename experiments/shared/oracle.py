@@ -98,5 +98,5 @@ def known_image() -> Image:
         weights = directions(postures)[:, number].reshape(*(3,) * len(joints), 3)
         for axis in range(len(joints)):
             weights = np.moveaxis(np.tensordot(FROM_LOOKS, weights, (1, axis)), 0, axis)
-        images[part] = PartImage(joints, centre[joints], weights, 0.0)
+        images[part] = PartImage(joints, centre[joints], weights.reshape(-1, 3), 0.0)
     return Image(MappingProxyType(images), low, high, REST, library, np.zeros((LIBRARY, len(SEGMENTS))))

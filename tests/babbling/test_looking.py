@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from babbling.errors import BabblingError
+from babbling.files import load, save
 from babbling.looking import Reach, copy_terms, pilot_looking, saccades
-from babbling.looking_storage import load_looking, save_looking
 from babbling.loop import babble, explore, flat
 from babbling.sight import LookingMind
 from imitation.gaze.fixation import Fixation
@@ -101,21 +101,14 @@ def test_efference_copy_says_that_nothing_moves_when_nothing_is_done() -> None:
 
 
 def test_a_mind_survives_its_file(mind: LookingMind, tmp_path) -> None:  # type: ignore[no-untyped-def]
-    save_looking(mind, tmp_path / "eyes.nc")
-    again = load_looking(tmp_path / "eyes.nc")
+    save(mind, tmp_path / "eyes.nc")
+    again = load(tmp_path / "eyes.nc", LookingMind)
     np.testing.assert_array_equal(again.forward_model.counts, mind.forward_model.counts)
     things, posture, change = np.array([[10.0, -5.0, 2.0, -5.0]]), np.zeros((1, 2)), np.array([[0.2, -0.1]])
     np.testing.assert_array_equal(again.expect(things, posture, change), mind.expect(things, posture, change))
 
 
-def test_damaged_and_foreign_files_are_refused(mind: LookingMind, tmp_path) -> None:  # type: ignore[no-untyped-def]
-    save_looking(mind, tmp_path / "eyes.nc")
-    whole = (tmp_path / "eyes.nc").read_bytes()
-    (tmp_path / "cut.nc").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(BabblingError, match="not a readable"):
-        load_looking(tmp_path / "cut.nc")
-    with pytest.raises(BabblingError, match="no such file"):
-        load_looking(tmp_path / "none.nc")
+def test_eyes_of_another_body_are_refused(mind: LookingMind) -> None:
     stranger = GeometricHead(copies=1)
     stranger.fingerprint = "other"  # type: ignore[misc]
     with pytest.raises(BabblingError, match="another body"):

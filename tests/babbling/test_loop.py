@@ -5,9 +5,9 @@ import pytest
 
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, smooth
+from babbling.files import load, save
 from babbling.loop import babble, bouts, experience, explore, flat
 from babbling.mind import Mind, learn
-from babbling.storage import load_mind, save_mind
 from models.loading import load_body
 
 
@@ -82,9 +82,9 @@ def test_smooth_babbling_keeps_to_its_range_its_speed_and_its_rest():
 
 def test_a_mind_survives_its_file_to_the_last_bit(arm_mind, tmp_path):
     path = tmp_path / "arm.nc"
-    save_mind(arm_mind, path, robot="arm")
-    mind, notes = load_mind(path)
-    assert notes["robot"] == "arm" and mind.fingerprint == arm_mind.fingerprint and mind.seed == arm_mind.seed
+    save(arm_mind, path, robot="arm")
+    mind = load(path, Mind)
+    assert mind.fingerprint == arm_mind.fingerprint and mind.seed == arm_mind.seed
     assert_same_mind(mind, arm_mind)
     assert [p.name for p in tmp_path.iterdir()] == ["arm.nc"]
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from babbling.body_image import learn_image
+from babbling.body_image import BodyImage, learn_image
 from babbling.errors import BabblingError
-from babbling.image_storage import load_image, save_image
+from babbling.files import load, save
 from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience, mirror_babble
 from babbling.organs import categories, find_organs, turned
 from tests.babbling.creature import MOVES, PARTS, Creature, directions, motors, schema
@@ -19,7 +19,8 @@ def babbled(minutes: float = 6.0, noise_deg: float = 0.0, seed: int = 0, **more:
 
 
 def image(experience: MirrorExperience, seed: int = 0):
-    return learn_image(experience, find_organs(experience), np.full(5, -1.5), np.full(5, 1.5), np.zeros(5), seed)
+    end = np.full(5, 1.5)
+    return learn_image(experience, find_organs(experience), -end, end, 0 * end, seed, "creature")
 
 
 def test_only_the_acting_sense_moves_in_an_act() -> None:
@@ -104,20 +105,20 @@ def test_same_seed_same_image() -> None:
         assert one.images[part].weights.tobytes() == other.images[part].weights.tobytes()
 
 
-def test_file_round_trip_and_refusals(tmp_path: Path) -> None:
+def test_an_image_survives_its_file_and_belongs_to_one_body(tmp_path: Path) -> None:
     learned = image(babbled(3.0))
     path = tmp_path / "image.nc"
-    save_image(learned, path, "creature")
-    found = load_image(path, "creature")
+    save(learned, path)
+    found = load(path, BodyImage)
+    found.check(Creature())
     q = np.random.default_rng(6).uniform(-1, 1, (10, 5))
     np.testing.assert_array_equal(found.expected(q), learned.expected(q))
     np.testing.assert_array_equal(found.organs.likelihood(), learned.organs.likelihood())
     assert found.minutes == learned.minutes
+    stranger = Creature()
+    stranger.fingerprint = "somebody"
     with pytest.raises(BabblingError, match="another body's image"):
-        load_image(path, "somebody")
-    path.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(BabblingError, match="not a readable NetCDF-4 file"):
-        load_image(path, "creature")
+        found.check(stranger)
 
 
 def test_refusals() -> None:

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from babbling.storage import load_mind, save_mind
+from babbling.files import load
+from babbling.files import save as write
+from babbling.mind import Mind
 from experiments.__main__ import main
 from experiments.shared import minds
 from experiments.shared.minds import learn_mind
@@ -33,11 +35,7 @@ def whole(arm: Path, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> P
 
 
 def assert_same_file(one: Path, other: Path) -> None:
-    with xr.open_dataset(one, engine="h5netcdf") as a, xr.open_dataset(other, engine="h5netcdf") as b:
-        assert set(a.variables) == set(b.variables)
-        for name in a.variables:
-            assert a[name].to_numpy().tobytes() == b[name].to_numpy().tobytes(), name
-        assert a.attrs == b.attrs
+    assert one.read_bytes() == other.read_bytes()
 
 
 def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,12 +44,12 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
 
     def save(*args: object, **notes: object) -> None:
         nonlocal written
-        save_mind(*args, **notes)
+        write(*args, **notes)
         written += 1
         if written == after:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(minds, "save_mind", save)
+    monkeypatch.setattr(minds, "save", save)
 
 
 @pytest.mark.parametrize("after", [1, 2])
@@ -114,8 +112,10 @@ def test_killed_without_warning_and_repeated(arm: Path, whole: Path, hasty: None
 
 
 def test_the_file_works_where_it_was_made_for(whole: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path) -> None:
-    mind, notes = load_mind(whole)
-    assert notes["robot"] == str(arm) and float(notes["minutes"]) == 1
+    mind = load(whole, Mind)
+    with xr.open_dataset(whole, engine="h5netcdf") as data:
+        assert data.attrs["robot"] == str(arm) and data.attrs["minutes"] == 1
+        assert data["motor_name"].values.tolist() == ["shoulder", "elbow", "wrist"]
     words = ["gesture", "--robot", str(arm), "--demonstration", str(wave), "--forward-model", str(whole)]
     assert main([*words, "--out", str(tmp_path / "g")]) == 0
     told = json.loads((tmp_path / "g" / "metrics.json").read_text())
@@ -154,7 +154,7 @@ def test_leftovers_that_are_none(
     out, leftover = tmp_path / "arm.nc", tmp_path / "arm.nc.partial"
     for content, message in (
         (b"not one", "not a readable NetCDF-4 file"),
-        (whole.read_bytes(), "no interrupted babble"),
+        (whole.read_bytes(), "not a file of kind 'imitation-laboratory interrupted babble'; move or delete"),
     ):
         leftover.write_bytes(content)
         assert main(command(arm, out)) == 2

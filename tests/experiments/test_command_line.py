@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 import pytest
 
+from babbling.files import VERSION, save
 from babbling.mind import Mind
-from babbling.storage import VERSION, save_mind
 from experiments.__main__ import in_one_line, main
 from experiments.shared import minds
 from experiments.shared.experiment import as_json
@@ -313,7 +313,7 @@ def test_forward_models_that_do_not_fit(
     refused: Refused, arm: Path, wave: Path, arm_mind: Mind, tmp_path: Path
 ) -> None:
     path = tmp_path / "mind.nc"
-    save_mind(arm_mind, path)
+    save(arm_mind, path)
     whole = path.read_bytes()
     common = ["gesture", "--robot", arm, "--demonstration", wave, "--forward-model", path]
 
@@ -321,7 +321,7 @@ def test_forward_models_that_do_not_fit(
     assert "learned by another body" in refused(*common, "--scramble", "1")
     with h5py.File(path, "r+") as file:
         file.attrs["version"] = VERSION + 1
-    assert f"written in version {VERSION + 1}, this program reads up to {VERSION}; update" in refused(*common)
+    assert f"written in version {VERSION + 1}, this program reads up to {VERSION}; update it" in refused(*common)
     path.write_bytes(whole[: len(whole) // 2])
     assert f"{path}: not a readable NetCDF-4 file (truncated, or something else); make it anew" in refused(*common)
     path.write_text("not one at all")

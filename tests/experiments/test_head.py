@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from babbling.errors import BabblingError
+from babbling.files import load, save
 from experiments.errors import ExperimentError
 from experiments.head.run import Config, run, within_reach
 from experiments.shared.judging import rmse_deg
+from imitation.deferred import HeadMemory
 from imitation.errors import ImitationError
-from imitation.head_memory import HeadMemory, load_head_memory, save_head_memory
 from imitation.seeing.pose import Appearance, frame_pose, watch
 from models.biclops.facts import MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S
 from models.biclops.movements import MOVEMENTS, movement
@@ -98,18 +99,16 @@ def test_unknown_movement_names_those_there_are() -> None:
 
 def test_memory_survives_its_file_and_belongs_to_one_body(tmp_path: Path) -> None:
     memory = HeadMemory("abc", 0.02, "nod", np.linspace(0, 0.3, 20).reshape(10, 2), np.full((10, 2), 0.01))
-    save_head_memory(memory, tmp_path / "memory.nc")
-    again = load_head_memory(tmp_path / "memory.nc")
+    save(memory, tmp_path / "memory.nc", {"axis": ("pan", "tilt")})
+    again = load(tmp_path / "memory.nc", HeadMemory)
     np.testing.assert_array_equal(again.pose, memory.pose)
     assert (again.name, again.tick_s, again.body) == ("nod", 0.02, "abc")
     with pytest.raises(ImitationError, match="another body"):
         again.check("xyz")
-    save_head_memory(HeadMemory("abc", 0.02, "spin", 9.0 + memory.pose, memory.deviation), tmp_path / "spin.nc")
-    with pytest.raises(ImitationError, match="beyond half a turn"):
-        load_head_memory(tmp_path / "spin.nc")
-    (tmp_path / "text.nc").write_text("hello")
-    with pytest.raises(BabblingError, match="not a readable"):
-        load_head_memory(tmp_path / "text.nc")
+    with pytest.raises(ImitationError, match=r"pose holds 9\.3; -3\.14\d* to 3\.14\d* is possible"):
+        save(HeadMemory("abc", 0.02, "spin", 9.0 + memory.pose, memory.deviation), tmp_path / "spin.nc")
+    with pytest.raises(ImitationError, match="of 2 postures; 3 to"):
+        HeadMemory("abc", 0.02, "short", memory.pose[:2], memory.deviation[:2])
 
 
 def test_nobody_there_is_searched_for_and_then_said() -> None:

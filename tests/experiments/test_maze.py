@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from babbling.files import load
 from experiments.__main__ import main
 from experiments.benchmark.maze import rows
 from experiments.maze.learning import expected_distance, walkers
@@ -35,7 +36,7 @@ from experiments.maze.run import Config, run
 from experiments.maze.study import study
 from experiments.maze.trials import IMITATION_BUDGETS, reliable_from
 from experiments.shared.experiment import as_json
-from imitation.deferred import load_memory
+from imitation.deferred import StepMemory
 from imitation.episodes import Episode
 from imitation.inference.priors import ActionPriors
 from models.maze import TRUE_DYNAMICS, MazeBody, default_maze, parse_maze
@@ -110,7 +111,7 @@ def test_a_new_process_imitates_from_the_file_as_the_old_one_would(tiny, base, t
     recalled = run(Config(maze=tiny, seed=5, memory=tmp_path / "memory.nc"))
     for part in ("imitation", "intent", "forward_model"):
         assert repr(recalled.metrics[part]) == repr(base.metrics[part])
-    counts = load_memory(tmp_path / "memory.nc", goals=3, states=20).counts[0]
+    counts = load(tmp_path / "memory.nc", StepMemory).forward_model.counts[0]
     np.testing.assert_array_equal(counts / counts.sum(1, keepdims=True), base.metrics["forward_model"]["table"])
     with pytest.raises(ValueError, match="this memory belongs to body"):
         run(Config(memory=tmp_path / "memory.nc"))
@@ -174,7 +175,7 @@ REFUSALS = {
     "smoothing nan": (["--smoothing", "nan"], "pseudo-counts must be at least 0"),
     "study": (["--maze", "wide.txt", "--study"], "a maze of 2600 cells; hundreds of learners fit into at most 2500"),
     "seed": (["--seed", "-1"], "it must be 0 or more"),
-    "memory": (["--memory", "tiny.txt"], "not a memory"),
+    "memory": (["--memory", "tiny.txt"], "not a readable NetCDF-4 file"),
     "both": (["--memory", "a", "--watch", "b"], "give one of them"),
 }
 

@@ -23,7 +23,8 @@ SPEED = np.full(5, 5.0)
 def image(noise_deg: float = 0.0, wiring: tuple[int, ...] = (0, 1, 2, 3, 4)) -> BodyImage:
     body = Creature(noise=np.deg2rad(noise_deg), wiring=wiring)
     experience = mirror_babble(body, body, schema(), motors(), 8.0, 0)
-    return learn_image(experience, find_organs(experience), np.full(5, -1.5), np.full(5, 1.5), np.zeros(5), 0)
+    end = np.full(5, 1.5)
+    return learn_image(experience, find_organs(experience), -end, end, 0 * end, 0, "creature")
 
 
 def movement(frames: int = 150, seed: int = 1) -> np.ndarray:

@@ -4,17 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from babbling.errors import BabblingError
+from babbling.files import load, save
 from babbling.loop import babble
 from babbling.moves import DIRECTIONS, MOVES, Places
 from babbling.states import Wanderer
 from imitation.acting.follow import Follower, follow
 from imitation.acting.subgoals import acyclic_subgoals
-from imitation.deferred import FORMAT, load_memory, remember, save_memory
+from imitation.deferred import StepMemory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.bayes import action_posterior
@@ -245,50 +244,20 @@ def test_what_is_no_episode_is_refused(states, actions, told):
         Episode(0, np.array(states), np.array(actions))
 
 
-def test_a_memory_survives_its_file(tmp_path):
+def test_a_memory_survives_its_file_and_belongs_to_one_world(tmp_path):
     body = Field(slips=0.2)
-    model, episodes = learned(body), [diagonal(), diagonal()]
-    save_memory(remember(model, episodes), tmp_path / "memory.nc")
-    memory = load_memory(tmp_path / "memory.nc", goals=1, states=STATES)
-    again = memory.recall_onto(wanderer(body).forward_model())
-    assert (again.counts == model.counts).all() and again.transitions == model.transitions
-    assert (again.predictive == model.predictive).all()
+    model, episodes = learned(body), (diagonal(), diagonal())
+    save(StepMemory(model, episodes), tmp_path / "memory.nc")
+    memory, empty = load(tmp_path / "memory.nc", StepMemory), wanderer(body).forward_model()
+    memory.check(empty, goals=1, states=STATES)
+    assert (memory.forward_model.predictive == model.predictive).all()
     for one, two in zip(episodes, memory.episodes, strict=True):
         assert one.goal == two.goal and (one.states == two.states).all() and (one.actions == two.actions).all()
-    assert [p.name for p in tmp_path.iterdir()] == ["memory.nc"]
+    with pytest.raises(ImitationError, match="state 52; there are 50"):
+        memory.check(empty, goals=1, states=50)
+    with pytest.raises(ImitationError, match="goal 0; there are 0"):
+        memory.check(empty, goals=0, states=STATES)
     other = Field()
     other.fingerprint = "another"
     with pytest.raises(ImitationError, match="belongs to body field, not to another"):
-        memory.recall_onto(wanderer(other).forward_model())
-
-
-def test_strangers_memories_are_checked(tmp_path):
-    file = tmp_path / "memory.nc"
-    with pytest.raises(ImitationError, match="cannot be read"):
-        load_memory(file, goals=1, states=STATES)
-    file.write_bytes(b"\x80\x04this is no memory")
-    with pytest.raises(ImitationError, match="not a memory"):
-        load_memory(file, goals=1, states=STATES)
-    xr.Dataset({"x": 1.0}).to_netcdf(file, engine="h5netcdf")
-    with pytest.raises(ImitationError, match="not a memory of this kind"):
-        load_memory(file, goals=1, states=STATES)
-    model = learned(Field())
-    good = remember(model, [diagonal()])
-    changes = {
-        "do not fit each other": lambda d: d.assign(steps=("demonstration", [3])),
-        "whole numbers": lambda d: d.assign(did=("step", np.full(8, 0.5))),
-        "state 500; there are 108": lambda d: d.assign(state=("visit", np.full(9, 500))),
-        "goal 4; there are 1": lambda d: d.assign(goal=("demonstration", [4])),
-        "action 9; there are 5": lambda d: d.assign(did=("step", np.full(8, 9))),
-        "not a memory": lambda d: d.drop_vars("counts"),
-    }
-    for told, change in changes.items():
-        save_memory(good, file)
-        with xr.open_dataset(file, engine="h5netcdf") as data:
-            changed = change(data.load())
-        changed.to_netcdf(file, engine="h5netcdf")
-        with pytest.raises(ImitationError, match=told):
-            load_memory(file, goals=1, states=STATES)
-    assert FORMAT.startswith("imitation")
-    with pytest.raises(BabblingError):
-        load_memory(tmp_path, goals=1, states=STATES)
+        memory.check(wanderer(other).forward_model(), goals=1, states=STATES)

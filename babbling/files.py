@@ -1,0 +1,255 @@
+"""Whatever has been learned, as a file: NetCDF-4 that MATLAB, R, Julia and xarray open too; numbers and text, no code.
+
+One writer and reader for every class entered in `babbling.kinds.KINDS`: it walks the annotations of the fields. A field
+is a variable named by its path; several things of one class are laid end to end, field by field (contiguous ragged
+arrays of the CF conventions, section 9.3.3); a forward model is its visits, moments and axes.
+
+Strangers' files are read too. Sizes are bounded before anything is read, nothing is read but what the annotations name,
+and all of it is checked against them; whatever is wrong is one line. Files are written beside and renamed.
+"""
+
+import hashlib
+import os
+import re
+import stat
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+
+import h5netcdf
+import h5py
+import numpy as np
+
+from babbling.axes import Axis, IntArray
+from babbling.errors import BabblingError
+from babbling.forward_model import ForwardModel
+from babbling.kinds import KINDS, Kind, Numbers
+from babbling.regression import SCALE
+from babbling.variables import Variables, letters
+
+FORMAT, VERSION = "imitation-laboratory", 2
+LARGEST_BYTES, MOST_AXES, MOST_COUNTS = 1 << 30, 8, 2.0**62
+SEAL = b"imitation-laboratory sha256 "
+"""Stands with the checksum behind the end of a file, where HDF5 does not look: some damage hangs HDF5. A file without
+it (another program wrote it anew) is held to all other checks."""
+LEAST_EXPERIENCE = 10
+"""Transitions per factor below which no line can be fitted."""
+T = TypeVar("T")
+
+
+def save(thing: object, path: Path, labels: Mapping[str, Sequence[str]] | None = None, **notes: str | float) -> None:
+    """Write a thing of a kind in `KINDS`.
+
+    Args:
+        thing: what to write.
+        path: the file; an older one is replaced.
+        labels: dimension -> names of what lies along it; like `notes` (attributes) for people alone, never read.
+
+    Raises:
+        BabblingError: the place cannot be written, or the thing holds what could not be read again.
+    """
+    name, kind = _kind(type(thing))
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with h5netcdf.File(beside, "w") as file:
+            file.attrs.update({"format": f"{FORMAT} {name}", "version": VERSION, **notes})
+            held = Variables(file)
+            _walk(held, type(thing), "", thing)
+            held.finish()
+            for dim, names in (labels or {}).items():
+                held.put(f"{dim}_name", (dim, f"{dim}_name_letters"), letters(names))
+        with beside.open("r+b") as content:
+            content.write(_seal(content.read()))
+        os.replace(beside, path)
+    except BabblingError as error:
+        raise kind.error(f"{path}: cannot be written: {error}") from error
+    except OSError as error:
+        raise kind.error(f"{path}: cannot be written ({error.strerror or error}); name a place that can") from error
+    finally:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+def load(path: Path, holds: type[T]) -> T:
+    """Read a thing of a kind in `KINDS`.
+
+    Raises:
+        BabblingError: (the kind's own) the file is missing, of another kind or version, too large or damaged, or holds
+            what cannot be: one line that names file, field and what is possible.
+    """
+    name, kind = _kind(holds)
+    try:
+        with _opened(path) as file:
+            found, version = _attribute(file, "format"), _attribute(file, "version")
+            if found != f"{FORMAT} {name}":
+                raise BabblingError(f"this is not a file of kind '{FORMAT} {name}'; {kind.remedy}")
+            if type(version) is not int or not 1 <= version <= VERSION:
+                raise BabblingError(f"written in version {version}, this program reads up to {VERSION}; update it")
+            if version < VERSION:
+                raise BabblingError(f"written by an earlier version of this program; {kind.remedy}")
+            held = Variables(file)
+            thing: T = _walk(held, holds, "", None)
+            held.finish()
+            return thing
+    except BabblingError as error:
+        raise kind.error(f"{path}: {error}") from error
+    except Exception as error:  # h5py raises many kinds on damaged files
+        raise kind.error(f"{path}: this NetCDF-4 file is damaged; make it anew") from error
+
+
+def is_kind(path: Path, holds: type) -> bool:
+    """Whether a file is of this kind, of whatever version, by its header alone."""
+    with suppress(Exception), _opened(path) as file:
+        return _attribute(file, "format") == f"{FORMAT} {_kind(holds)[0]}"
+    return False
+
+
+def _kind(holds: type) -> tuple[str, Kind]:
+    return next((name, kind) for name, kind in KINDS.items() if kind.holds is holds)
+
+
+def _opened(path: Path) -> h5py.File:
+    """A regular file of bounded size."""
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError) as error:
+        missing = isinstance(error, FileNotFoundError)
+        raise BabblingError("there is no such file" if missing else f"cannot be read ({error})") from error
+    if not stat.S_ISREG(status.st_mode):
+        what = "a directory; name the file in it" if stat.S_ISDIR(status.st_mode) else "no regular file; name one"
+        raise BabblingError(f"this is {what}")
+    if status.st_size > LARGEST_BYTES:
+        raise BabblingError(f"{status.st_size} bytes; more than {LARGEST_BYTES} are not read")
+    content = memoryview(path.read_bytes())
+    end = max(len(content) - len(_seal(b"")), 0)
+    alike = sum(one == other for one, other in zip(content[end:], SEAL, strict=False))
+    if alike > len(SEAL) / 2 and content[end:] != _seal(content[:end]):  # the mark itself may be damaged
+        raise BabblingError("this NetCDF-4 file is damaged; make it anew")
+    try:
+        return h5py.File(path, "r")
+    except Exception as error:
+        raise BabblingError("not a readable NetCDF-4 file (truncated, or something else); make it anew") from error
+
+
+def _seal(content: bytes | memoryview) -> bytes:
+    return SEAL + hashlib.sha256(content).digest()
+
+
+def _attribute(file: h5py.File, name: str) -> object:
+    """One number or text; None where there is something else."""
+    if name not in file.attrs or file.attrs.get_id(name).shape not in ((), (1,)):
+        return None
+    value: object = np.asarray(file.attrs[name]).reshape(-1)[0]
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _plain(hint: Any) -> tuple[Any, Any, Numbers]:
+    """A field's type, the type of its numbers, and what they may be."""
+    holds, numbers = (hint.__origin__, hint.__metadata__[0]) if get_origin(hint) is Annotated else (hint, Numbers())
+    return holds, get_args(get_args(holds)[1])[0] if get_origin(holds) is np.ndarray else holds, numbers
+
+
+def _walk(held: Variables, hint: Any, name: str, value: Any) -> Any:
+    """Write a value of this type, or (None) read one."""
+    holds, dtype, numbers = _plain(hint)
+    origin, inner = get_origin(holds), get_args(holds)
+    if holds is str:
+        return held.words(name, f"{name}_letters", None if value is None else [value])[0]
+    if holds in (int, float):
+        return holds(held.numbers(name, numbers, holds, value))
+    if origin is np.ndarray and numbers.dims:
+        return held.numbers(name, numbers, dtype, value)
+    if holds is Axis:
+        return _axis(held, name.rpartition("_")[2], numbers.dims, value)
+    if holds is ForwardModel:
+        return _forward_model(held, name, numbers.dims, value)
+    if origin is Mapping:
+        names = _labels(held, numbers.dims, value and tuple(value))
+        return dict(zip(names, _several(held, inner[1], name, numbers.dims, value and value.values()), strict=True))
+    if origin is tuple:
+        return _several(held, inner[0], name, numbers.dims, value)
+    path = f"{name}_" if name else ""
+    fields = get_type_hints(holds, include_extras=True)
+    return holds(**{f: _walk(held, hint, path + f, getattr(value, f, None)) for f, hint in fields.items()})
+
+
+def _labels(held: Variables, dim: str, value: Sequence[str] | None) -> tuple[str, ...]:
+    """Names of what lies along a dimension."""
+    return held.words(dim, f"{dim} {dim}_letters", value)
+
+
+def _several(held: Variables, one: type, name: str, dim: str, things: Any) -> tuple[Any, ...]:
+    """Things of one class, whose fields are numbers: each field is one variable, its rows end to end."""
+    columns: dict[str, Sequence[Any]] = {}
+    for field, hint in get_type_hints(one, include_extras=True).items():
+        _, dtype, numbers = _plain(hint)
+        first, _, rest = numbers.dims.partition(" ")
+        rows = None if things is None else [np.asarray(getattr(thing, field), dtype) for thing in things]
+        if not first.startswith("."):
+            numbers = replace(numbers, dims=f"{dim} {numbers.dims}")
+            columns[field] = held.numbers(f"{name}_{field}", numbers, dtype, rows).tolist()
+            continue
+        own = f"{name}_{first[1:]}"
+        counts = None if rows is None else [len(row) for row in rows]
+        ends = np.cumsum(held.numbers(f"{own}_count", Numbers(dim, low=0), np.int64, counts, sample_dimension=own))
+        numbers = replace(numbers, dims=f"{own} {rest}")
+        values = held.numbers(f"{name}_{field}", numbers, dtype, None if rows is None else np.concatenate(rows))
+        if not len(ends) or len(values) != ends[-1]:
+            raise BabblingError(f"{name}_{field} has {len(values)} rows; {own}_count tells of others")
+        columns[field] = np.split(values, ends[:-1])
+    return tuple(one(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
+
+
+def _axis(held: Variables, name: str, factor: str, axis: Any) -> Axis:
+    """An axis, by its categories or its grid points; one that several share is there once."""
+    if axis is not None and axis.name != name:
+        raise TypeError(f"axis {axis.name!r} is held in a field that is called {name!r}")
+    if axis.is_categorical if axis is not None else f"{name}_points" not in held.file:
+        return Axis.categorical(name, _labels(held, name, axis and axis.labels), held.sizes[factor])
+    unit = held.words(f"{name}_unit", f"{name}_unit_letters", axis and [axis.unit])[0]
+    points = held.numbers(f"{name}_points", Numbers(f"{factor} {name}", unit), np.float64, axis and axis.points)
+    found = Axis(name, unit, points[:, 0], points[:, -1], points.shape[1])
+    if (np.abs(points - found.points) > 1e-6 * found.step[:, None]).any():
+        raise BabblingError(f"{name}_points are not evenly spaced")
+    return found
+
+
+def _forward_model(held: Variables, name: str, factor: str, model: Any) -> ForwardModel:
+    """Visits and moments on their axes; for people, P(outcome | context, action) too."""
+    factors = _labels(held, factor, model and model.factors)
+    names = _labels(held, f"{name}_axes", model and [axis.name for axis in model.axes])
+    if not 2 <= len(names) <= MOST_AXES or not all(re.fullmatch("[a-z][a-z0-9_]{0,39}", word) for word in names):
+        raise BabblingError(f"{name}_axes are {', '.join(names)}; 2 to {MOST_AXES} names are needed")
+    axes = [_axis(held, word, factor, model and model.axes[i]) for i, word in enumerate(names)]
+    dims, term = f"{factor} {' '.join(names)}", f"{name}_term:{1 + len(names)}"
+    scale = 1 / model.unit if model else 1.0
+    fields = {
+        "counts": Annotated[IntArray, Numbers(dims, "visits", low=0, high=MOST_COUNTS, scale=scale)],
+        "outside": Annotated[IntArray, Numbers(factor, "visits", low=0)],
+        "prior_strength": Annotated[float, Numbers(unit="visits", low=0, high=1e6)],
+        "fingerprint": str,
+    }
+    counts, outside, strength, fingerprint = (
+        _walk(held, hint, f"{name}_{field}", getattr(model, field, None)) for field, hint in fields.items()
+    )
+    products = Numbers(f"{factor} {term} {term}", low=-MOST_COUNTS, high=MOST_COUNTS, covariance=True, scale=SCALE**-2)
+    told = "sums of products of 1 and the axes, each axis scaled from -1 to 1 over its range"
+    found = ForwardModel(axes[:-2], *axes[-2:], factors=factors, prior_strength=strength, fingerprint=fingerprint)
+    found.counts, found.outside = counts, outside
+    found.moments.sums = held.numbers(
+        f"{name}_moments", products, np.int64, model and model.moments.sums, long_name=told
+    )
+    rows, samples = counts.reshape(len(factors), -1), found.moments.samples
+    if (rows.sum(1, dtype=float) > MOST_COUNTS).any() or (rows.sum(1) != samples * found.unit).any():
+        raise BabblingError(f"{name}_counts and {name}_moments do not tell of the same experience")
+    if strength > 0 and (samples < LEAST_EXPERIENCE).any():
+        raise BabblingError(f"{name} has next to no experience; {LEAST_EXPERIENCE} transitions per {factor} are needed")
+    if model is not None:
+        law = f"P({names[-1]} | {', '.join(names[:-1])}), to 6 decimals"
+        where = " ".join(f"{axis.name}_points" for axis in axes if not axis.is_categorical)
+        table = model.predictive.round(6).astype(np.float32)
+        held.put(f"{name}_probability", dims.split(), table, long_name=law, coordinates=where)
+    return found
