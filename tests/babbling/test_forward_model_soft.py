@@ -1,5 +1,6 @@
 """The forward model on measured axes: against slow counting, at the limits of its prior, off its axes, in between."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -202,12 +203,38 @@ def test_likelihood_and_expectation_read_the_table() -> None:
     a = m.action.points[:, 3]
     mean = (m.predictive[f, 1, 3] * m.outcome.points).sum(-1)
     np.testing.assert_allclose(m.expected((v,), a), mean, atol=1e-12)
-    np.testing.assert_allclose(m.habits.sum(-1), 1, atol=1e-12)
+
+
+def test_habits_are_the_visits_and_as_many_of_the_line_as_the_prior_is_strong() -> None:
+    m, v, *_ = line(2000)
+    fit = m.moments.fit(["a"], ["v"])
+    at = (fit.predict(m.contexts[0].points.T)[..., 0] - m.action.low) / m.action.step
+    spread = np.sqrt(fit.covariance[:, 0, 0]) / m.action.step
+    for f, i in product(range(2), range(4)):
+        slow = m.visits[f, i] + hat_mass(np.clip(at[i, f], 0, 8), spread[f], 9)
+        np.testing.assert_allclose(m.habits[f, i], slow / slow.sum(), atol=1e-12)
+    before = m.habits
+    m.observe([v], np.full(v.shape, 0.1), np.zeros(v.shape))
+    assert m.habits[0, 1, 5] > 1.2 * before[0, 1, 5], "what was learned later counts as well"
+
+
+def test_familiarity_is_that_of_the_nearest_action() -> None:
+    m, *_ = line(2000)
+    rows = m.at((m.contexts[0].points[:, 1],))
+    np.testing.assert_allclose(rows.familiarity(), m.visits[:, 1], rtol=1e-12)
+    for share, nearest in ((0.3, 3), (0.7, 4)):
+        found = rows.familiarity(m.action.points[:, 3] + share * m.action.step)
+        np.testing.assert_allclose(found, m.visits[:, 1, nearest], rtol=1e-12)
 
 
 def test_what_cannot_be_merged_or_made() -> None:
     with pytest.raises(BabblingError, match="only tables of one pilot"):
         model().merge(model(sizes=(4, 5, 7)))
+    for end in ("low", "high"):
+        m = model()
+        moved = replace(m.action, **{end: 1.1 * getattr(m.action, end)})
+        with pytest.raises(BabblingError, match="only tables of one pilot"):
+            m.merge(ForwardModel(m.contexts, moved, m.outcome, factors=m.factors))
     with pytest.raises(BabblingError, match="prior strength -1"):
         model(-1.0)
     with pytest.raises(BabblingError, match="expected 3 arrays"):

@@ -211,12 +211,14 @@ def test_where_nothing_is_known_the_line_acts_and_is_counted():
     rng = np.random.default_rng(0)
     a = rng.uniform(-1, 1, (300, 1))
     model.observe([np.zeros((300, 1))], a, 0.5 * a)
-    wanted = np.array([[0.2], [7.0]])  # 7: off the axis
+    wanted, context = np.array([[0.2], [7.0], [0.2]]), np.array([[0.0], [0.0], [-1.1]])  # 7 and -1.1: off their axes
     for ladder in (MEASURED, (Rung.INVERSE, Rung.FORWARD_ALONE, Rung.LINE)):
-        choice = BayesianInverse(model, ladder=ladder).choose([Term(model, (np.zeros((2, 1)),), wanted)], rng)
-        assert choice.uninformed.tolist() == [[False], [True]] and choice.rung.tolist() == [[0], [Rung.LINE]]
-        line = LinearInverse(model).choose([Term(model, (np.zeros((1, 1)),), wanted[1:])], rng)
+        choice = BayesianInverse(model, ladder=ladder).choose([Term(model, (context,), wanted)], rng)
+        assert choice.uninformed.tolist() == [[False], [True], [True]]
+        assert choice.rung.tolist() == [[0], [Rung.LINE], [Rung.LINE]]
+        line = LinearInverse(model).choose([Term(model, (context[1:],), wanted[1:])], rng)
         assert choice.action[1, 0] == line.action[0, 0] == pytest.approx(14, rel=0.01)
+        assert choice.action[2, 0] == line.action[1, 0]
 
 
 def test_the_ladder_is_gone_down_one_rung_at_a_time():
