@@ -28,12 +28,11 @@ from babbling.errors import BabblingError
 from babbling.files import VERSION, load, save
 from babbling.forward_model import ForwardModel
 from babbling.kinds import KINDS
-from babbling.looking import pilot_looking
+from babbling.looking import LookingMind, pilot_looking
 from babbling.loop import babble
 from babbling.mind import Mind, learn
 from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
-from babbling.sight import LookingMind
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import opposite

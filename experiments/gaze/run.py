@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.files import load, save
-from babbling.sight import LookingMind
+from babbling.looking import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
 from experiments.gaze.figures import figures

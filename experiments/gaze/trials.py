@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.sight import LookingMind
+from babbling.looking import LookingMind
 from experiments.shared.caregiver import EYES, FACE, TURN_S, face_numbers, mirrored
 from experiments.shared.eyes import open_eyes, retina_of
 from experiments.shared.options import EyeOptions

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray
-from babbling.sight import LookingMind
+from babbling.looking import LookingMind
 from experiments.saccades.trials import Fixated, Predicted
 from experiments.shared.figures import learning_curve
 from experiments.shared.judging import LearningCurve

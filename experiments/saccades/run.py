@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.files import save
+from babbling.looking import LookingMind
 from babbling.reading import Transitions
-from babbling.sight import LookingMind
 from experiments.saccades.figures import figures
 from experiments.saccades.found import Glance
 from experiments.saccades.options import Config

@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.looking import saccades
+from babbling.looking import LookingMind, saccades
 from babbling.loop import explore, flat
 from babbling.reading import Transitions
 from babbling.regression import regress
-from babbling.sight import LookingMind
 from imitation.gaze.fixation import Fixation
 from models.seeing_body import SeeingBody
 

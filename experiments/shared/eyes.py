@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.forward_model import ForwardModel
-from babbling.looking import LookingPilot, Reach, pilot_looking
+from babbling.looking import LookingMind, LookingPilot, Reach, pilot_looking
 from babbling.loop import BOUT_TICKS, babble
 from babbling.reading import Transitions
-from babbling.sight import LookingMind
 from experiments.errors import ExperimentError
 from experiments.shared.options import EyeOptions
 from imitation.seeing.features import COLOURS

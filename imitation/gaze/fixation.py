@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from babbling.axes import Axis, FloatArray
 from babbling.grids import located
-from babbling.sight import LookingMind
+from babbling.looking import LookingMind
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.selection import selection_rule
 

@@ -5,9 +5,8 @@ import pytest
 
 from babbling.errors import BabblingError
 from babbling.files import load, save
-from babbling.looking import Reach, copy_terms, pilot_looking, saccades
+from babbling.looking import LookingMind, Reach, copy_terms, pilot_looking, saccades
 from babbling.loop import babble, explore, flat
-from babbling.sight import LookingMind
 from imitation.gaze.fixation import Fixation
 
 FOCAL, HALF = 138.6, np.array([79.5, 59.5])
