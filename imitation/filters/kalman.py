@@ -8,6 +8,7 @@ once. A measurement may be missing, wholly or number by number: `observed` says 
 R. E. Kalman (1960); the smoother is that of Rauch, Tung and Striebel (1965).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,8 +68,12 @@ class Filtered(NamedTuple):
     """E[s_t | z_1..t-1] (T, ..., n)."""
     predicted_covariance: FloatArray
     """(T, ..., n, n)."""
-    log_likelihood: FloatArray
-    """log p(z_1..T) (...)."""
+
+    @classmethod
+    def of(cls, beliefs: Sequence[Belief], predictions: Sequence[Belief]) -> "Filtered":
+        """From the beliefs after each measurement, and those before it."""
+        columns = [column for kind in (beliefs, predictions) for column in zip(*kind, strict=True)]
+        return cls(*map(np.stack, columns))
 
 
 class Smoothed(NamedTuple):
@@ -78,12 +83,6 @@ class Smoothed(NamedTuple):
     """E[s_t | z_1..T] (T, ..., n)."""
     covariance: FloatArray
     """(T, ..., n, n)."""
-
-
-def random_walk(dt: float, *, diffusion: float, noise: float, axes: int = 1) -> System:
-    """`axes` values that drift: variance grows by `diffusion`^2 dt; `noise` is the measurements' standard deviation."""
-    one = np.eye(axes)
-    return System(one, one * (diffusion**2 * dt), one, one * noise**2)
 
 
 def constant_velocity(dt: float, *, acceleration: float, noise: float, axes: int = 2) -> System:
@@ -146,21 +145,6 @@ def update(
     return Belief(mean, covariance), UpdateInfo(innovation, spread, gain, log_likelihood, surprise)
 
 
-def run_filter(system: System, prior: Belief, measured: FloatArray, observed: bool | BoolArray = True) -> Filtered:
-    """Filters a sequence (T, ..., m); `prior` is the belief about s_1 before z_1. `observed` broadcasts to it."""
-    there = np.broadcast_to(np.asarray(observed, bool), measured.shape)
-    belief, beliefs, predictions = prior, [], []
-    log_likelihood = np.zeros(measured.shape[1:-1])
-    for step in range(len(measured)):
-        if step:
-            belief = predict(system, belief)
-        predictions.append(belief)
-        belief, info = update(system, belief, measured[step], there[step])
-        beliefs.append(belief)
-        log_likelihood = log_likelihood + info.log_likelihood
-    return Filtered(*_stack(beliefs), *_stack(predictions), log_likelihood)
-
-
 def smooth(system: System, filtered: Filtered) -> Smoothed:
     """The Rauch-Tung-Striebel pass backwards: C = P_t F' P_{t+1|t}^-1, m_t += C (m^s_{t+1} - m_{t+1|t}), and so on."""
     mean, covariance = filtered.mean.copy(), filtered.covariance.copy()
@@ -178,7 +162,3 @@ def _apply(matrix: FloatArray, vector: FloatArray) -> FloatArray:
 
 def _transpose(matrix: FloatArray) -> FloatArray:
     return np.swapaxes(matrix, -1, -2)
-
-
-def _stack(beliefs: list[Belief]) -> tuple[FloatArray, FloatArray]:
-    return np.stack([belief.mean for belief in beliefs]), np.stack([belief.covariance for belief in beliefs])

@@ -144,13 +144,7 @@ def watch(appearance: Appearance, numbers: FloatArray, dt: float, acceleration: 
         raise ImitationError("no frame shows enough of a face to tell its pose; is the teacher in view?")
     raw[: known[0]] = raw[known[0]]
     start = known[0]
-    filtered = Filtered(
-        np.stack([b.mean for b in beliefs[start:]]),
-        np.stack([b.covariance for b in beliefs[start:]]),
-        np.stack([b.mean for b in predictions[start:]]),
-        np.stack([b.covariance for b in predictions[start:]]),
-        np.zeros(()),
-    )
+    filtered = Filtered.of(beliefs[start:], predictions[start:])
     after = smooth(filterable.system, filtered)
     lead = ((start, 0), (0, 0))
     deviation = np.sqrt(np.diagonal(after.covariance, axis1=1, axis2=2)[:, :2])

@@ -94,6 +94,18 @@ def test_too_few_senses() -> None:
         find_schema(motors, senses, senses, np.zeros(2), np.ones(2), TICK)
 
 
+def test_a_sense_that_rests_still_is_no_surer_than_its_steps() -> None:
+    """Uniform rounding to steps of r leaves r / sqrt(12), beside what trembles at rest."""
+    rng = np.random.default_rng(0)
+    motors = rng.uniform(-1, 1, (200, 8, 2))
+    senses = np.round(motors / 0.01) * 0.01
+    resting = np.zeros((30, 8, 2))
+    resting[..., 1] = 0.02 * rng.standard_normal((30, 8))
+    found = find_schema(motors, senses, resting, np.full(2, -1.0), np.full(2, 1.0), 1.0)
+    trembling = np.sqrt(resting.var(axis=0).mean(0)[1] + 0.01**2 / 12)
+    np.testing.assert_allclose(found.noise, [0.01 / np.sqrt(12), trembling], rtol=1e-6)
+
+
 def test_no_two_motors_share_a_sense() -> None:
     """Sense 0 tells most about both motors; each motor gets a sense of its own all the same."""
     rng = np.random.default_rng(0)
