@@ -33,8 +33,6 @@ class State(NamedTuple):
     """What the next senses are expected to correct."""
     targets: FloatArray
     """(N + 1, B, F) postures of the approach, of the movement, and one beyond."""
-    pace: FloatArray
-    """(N + 1, B, F) their rate."""
 
     @property
     def left(self) -> int:
@@ -133,9 +131,8 @@ class Imitator:
         up = np.linspace(0, 1, len(way))[:, None, None]
         targets = np.concatenate([way + up * shift[:1], goals + shift])
         targets = np.concatenate([targets, 2 * targets[-1:] - targets[-2:-1]])  # one beyond: the last own pace
-        pace = np.gradient(targets, self.tick_s, axis=0)
-        targets.flags.writeable = pace.flags.writeable = False
-        return State(0, self.estimate.start(posture, rate), targets, pace)
+        targets.flags.writeable = False
+        return State(0, self.estimate.start(posture, rate), targets)
 
     def step(self, state: State, senses: FloatArray, rng: np.random.Generator) -> tuple[State, FloatArray, Info]:
         """One tick: feeling (B, S), the state after it, (B, M) motor commands, and what there is to see.
@@ -148,16 +145,18 @@ class Imitator:
         schema, belief = self.mind.pilot.schema, state.belief
         if state.tick:  # the first senses made the belief
             belief = self.estimate.correct(belief, senses[:, schema.posture], senses[:, schema.rate])
-        target, pace = state.targets[state.tick], state.pace[state.tick]
+        before, target, after = (state.targets[max(tick, 0)] for tick in range(state.tick - 1, state.tick + 2))
+        pace = (after - before) / ((2 if state.tick else 1) * self.tick_s)
         posture = target + self.eagerness * (belief.mean[..., 0] - target)
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
-        wanted = state.targets[state.tick + 1] - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
-        clock = time.perf_counter()
+        wanted = after - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
         term = Term(self.mind.forward_model, (rate,), wanted)
-        choice = self.inverse.choose([term, *self.terms(senses, belief.mean)], rng)
+        terms = [term, *self.terms(senses, belief.mean)]
+        clock = time.perf_counter()
+        choice = self.inverse.choose(terms, rng)
         clock = time.perf_counter() - clock
         command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
-        after = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
+        state = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
         info = Info(
             believed=belief.mean,
             wanted=wanted,
@@ -169,7 +168,7 @@ class Imitator:
             uninformed=choice.uninformed,
             select_s=np.array(clock),
         )
-        return after, schema.motors(command), info
+        return state, schema.motors(command), info
 
 
 def imitate(

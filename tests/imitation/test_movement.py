@@ -1,4 +1,4 @@
-"""Movements and the way into them; the practice of attempts; the temper that rehearsal finds."""
+"""Movements and the way into them; what one attempt leaves to the next; the temper that rehearsal finds."""
 
 import numpy as np
 import pytest

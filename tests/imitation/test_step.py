@@ -96,10 +96,10 @@ def test_a_step_can_be_taken_again_and_does_not_change_the_state(arm_mind, movem
     senses = feeling(arm_mind.pilot.schema, 2, 0)
     first, second = next(senses), next(senses)
     state = imitator.step(imitator.start(first), first, np.random.default_rng(0))[0]
-    before = [part.copy() for part in (*state.belief, state.targets, state.pace)]
+    before = [part.copy() for part in (*state.belief, state.targets)]
     once, again = (imitator.step(state, second, np.random.default_rng(1)) for _ in range(2))
     assert once[1].tobytes() == again[1].tobytes() and once[2].believed.tobytes() == again[2].believed.tobytes()
-    assert all((a == b).all() for a, b in zip(before, (*state.belief, state.targets, state.pace), strict=True))
+    assert all((a == b).all() for a, b in zip(before, (*state.belief, state.targets), strict=True))
     with pytest.raises(ValueError, match="read-only"):
         state.targets[0] = 0
 
@@ -120,7 +120,8 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
     inverse, states, infos, _ = driven(arm_mind, movement, eagerness)
     signs = set()
     for asked, state, info in zip(inverse.asked, states, infos, strict=False):
-        target, pace, (posture, rate, _) = state.targets[state.tick], state.pace[state.tick], info.believed.T
+        target, (posture, rate, _) = state.targets[state.tick], info.believed.T
+        pace = np.gradient(state.targets, 0.02, axis=0)[state.tick]
         np.testing.assert_allclose(asked.context, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
         start = info.commands - asked.action
         np.testing.assert_allclose(start, (1 - eagerness) * target + eagerness * posture.T, atol=1e-12)
