@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray
 from experiments.gaze.found import Found
-from experiments.gaze.scene import FRAME_S, Episode
+from experiments.gaze.scene import FRAME_S, Following
 from experiments.shared.palette import INKS, OURS, PLAIN
 
 
@@ -21,7 +21,7 @@ def figures(found: Found) -> dict[str, Figure]:
     }
 
 
-def episode(one: Episode) -> Figure:
+def episode(one: Following) -> Figure:
     """P(object) through time, the teacher's head on its way, and the poses expected "like me"."""
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     belief, poses = figure.subplots(1, 2, width_ratios=[1.4, 1])

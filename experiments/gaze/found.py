@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from babbling.axes import FloatArray
 from experiments.gaze.infer import Judged
-from experiments.gaze.scene import Episode
+from experiments.gaze.scene import Following
 from experiments.gaze.trials import Follower, Trials
 from imitation.gaze.reader import Preferences
 
@@ -23,4 +23,4 @@ class Found(NamedTuple):
     """(bins, 3) confidence, accuracy, count."""
     calibration_error: float
     covered: dict[str, Any]
-    episode: Episode
+    episode: Following

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import rerun.blueprint as rrb
 
-from experiments.gaze.scene import FRAME_S, Episode
+from experiments.gaze.scene import FRAME_S, Following
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_events, log_eyes, log_head, log_stage
 from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, INKS, light
@@ -13,7 +13,7 @@ from experiments.shared.recording import log_series, recording
 from models.robots import head_of
 
 
-def record(path: Path, robot: str, one: Episode, summary: str, seed: int) -> None:
+def record(path: Path, robot: str, one: Following, summary: str, seed: int) -> None:
     """Write the recording of one episode."""
     with recording(path, "imitate-gaze", f"{robot} follows gaze, seed {seed}", _layout(robot, one), summary) as stream:
         log_eyes(stream, one.images, FRAME_S, one.found, one.predicted)
@@ -26,7 +26,7 @@ def record(path: Path, robot: str, one: Episode, summary: str, seed: int) -> Non
         log_events(stream, one.events)
 
 
-def _layout(robot: str, one: Episode) -> rrb.Horizontal:
+def _layout(robot: str, one: Following) -> rrb.Horizontal:
     height = head_of(robot).table[2]
     return views.beside(
         views.world(

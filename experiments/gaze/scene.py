@@ -23,7 +23,7 @@ FRAME_S = 0.04
 REST_S, STAY_S, LOOK_S = 0.6, 0.7, 1.4
 
 
-class Episode(NamedTuple):
+class Following(NamedTuple):
     """T frames; angles in rad, pixels on the image."""
 
     names: tuple[str, ...]
@@ -49,7 +49,7 @@ class Episode(NamedTuple):
     """(G, 2) the poses that Eq. (1) expects for each toy, "like me"."""
 
 
-def episode(who: Follower, layout: FloatArray | None, target: int, seed: int) -> Episode:
+def episode(who: Follower, layout: FloatArray | None, target: int, seed: int) -> Following:
     """One teacher, one look."""
     scene, mind, appearance, head, gaze = who
     rng = np.random.default_rng([seed, 0xE91])
@@ -123,4 +123,4 @@ def episode(who: Follower, layout: FloatArray | None, target: int, seed: int) ->
     stacked = {k: np.stack(v) for k, v in frames.items()}
     balls = {name: places[i] for i, name in enumerate(names)}
     seen = onlook(body.model, scene.eyes.robot, stacked["own"], stacked["teacher"], balls)
-    return Episode(names, goal, images, events=events, seen=seen, expected=expected, **stacked)
+    return Following(names, goal, images, events=events, seen=seen, expected=expected, **stacked)

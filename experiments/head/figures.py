@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from babbling.axes import FloatArray
 from experiments.head.distractor import INKS as WAYS
 from experiments.head.distractor import Crossed
-from experiments.head.found import Performed, Seen
+from experiments.head.found import Found, Imitation
 from experiments.shared.caregiver import FACE
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
@@ -20,19 +20,17 @@ from models.biclops.movements import TICK_S
 RAW = "#bbbbbb"
 
 
-def figures(
-    appearance: Appearance, seen: list[Seen], performed: list[Performed], crossed: Crossed | None
-) -> dict[str, Figure]:
+def figures(found: Found) -> dict[str, Figure]:
     """All of them, by file stem."""
-    drawn = {"movement": movement(seen[0], performed[0]), "appearance": looks(appearance)}
-    if len(seen) > 1:
-        drawn["errors"] = errors(seen, performed)
-    if crossed is not None:
-        drawn["distractor"] = distractor(crossed)
+    drawn = {"movement": movement(found.sequences[0]), "appearance": looks(found.appearance)}
+    if len(found.sequences) > 1:
+        drawn["errors"] = errors(found.sequences)
+    if found.crossed is not None:
+        drawn["distractor"] = distractor(found.crossed)
     return drawn
 
 
-def movement(one: Seen, done: Performed) -> Figure:
+def movement(one: Imitation) -> Figure:
     """One sequence: what was demonstrated, each frame's own estimate, the estimate, what was imitated; errors below."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.2, 1.2, 1])
@@ -44,7 +42,7 @@ def movement(one: Seen, done: Performed) -> Figure:
         axes.plot(time[frames], np.rad2deg(one.watched.raw[frames, i]), ".", color=RAW, ms=3, label="each frame alone")
         axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=DARK, lw=3.2, alpha=0.35, label="demonstrated")
         axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=THEIRS, lw=1.3, label="estimated")
-        axes.plot(time, np.rad2deg(done.imitated[:, i]), color=OURS, lw=1.0, ls="--", label="imitated")
+        axes.plot(time, np.rad2deg(one.imitated[:, i]), color=OURS, lw=1.0, ls="--", label="imitated")
         axes.set_ylabel(f"{name} [deg]")
         ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
         axes.set_ylim(ends[0] - 4, ends[1] + 4)
@@ -53,7 +51,7 @@ def movement(one: Seen, done: Performed) -> Figure:
     for values, colour, label in (
         (one.watched.raw, RAW, "each frame alone"),
         (one.watched.pose, THEIRS, "estimated"),
-        (done.imitated, OURS, "imitated"),
+        (one.imitated, OURS, "imitated"),
     ):
         away = np.hypot(*np.rad2deg(values - one.truth)[frames].T)
         panels[2].plot(time[frames], away, color=colour, lw=1.2, label=label)
@@ -123,19 +121,19 @@ def looks(appearance: Appearance) -> Figure:
     return figure
 
 
-def errors(seen: list[Seen], performed: list[Performed]) -> Figure:
+def errors(sequences: list[Imitation]) -> Figure:
     """Every sequence's error, by kind of estimate."""
     figure = Figure(figsize=(8, 3.8), layout="constrained")
     axes = figure.subplots()
     rows: dict[str, tuple[list[FloatArray], str, str]] = {
-        "each frame alone": ([o.watched.raw for o in seen], RAW, "s"),
-        "raw, replayed": ([p.replayed for p in performed], PLAIN, "x"),
-        "filter (past only)": ([o.watched.live for o in seen], "#7fa7d9", "v"),
-        "estimated": ([o.watched.pose for o in seen], THEIRS, "o"),
-        "imitated": ([p.imitated for p in performed], OURS, "D"),
+        "each frame alone": ([o.watched.raw for o in sequences], RAW, "s"),
+        "raw, replayed": ([o.replayed for o in sequences], PLAIN, "x"),
+        "filter (past only)": ([o.watched.live for o in sequences], "#7fa7d9", "v"),
+        "estimated": ([o.watched.pose for o in sequences], THEIRS, "o"),
+        "imitated": ([o.imitated for o in sequences], OURS, "D"),
     }
     for label, (poses, colour, mark) in rows.items():
-        values = [rmse_deg(pose, one.truth) for pose, one in zip(poses, seen, strict=True)]
+        values = [rmse_deg(pose, one.truth) for pose, one in zip(poses, sequences, strict=True)]
         axes.plot(np.arange(1, len(values) + 1), values, mark, color=colour, ms=5, label=label)
     axes.axhline(0.8, color=THEIRS, lw=0.8, ls=":")
     axes.axhline(1.0, color=OURS, lw=0.8, ls=":")

@@ -1,17 +1,21 @@
-"""A head movement as it was shown, seen and performed."""
+"""Head movements as they were shown, watched and imitated."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from imitation.seeing.pose import Watched
+from babbling.axes import FloatArray
+from babbling.mind import Mind
+from experiments.head.distractor import Crossed
+from experiments.head.options import Config
+from experiments.shared.caregiver import Search
+from imitation.seeing.pose import Appearance, Watched
+from models.retina import Image
 
-FloatArray = NDArray[np.float64]
 
-
-class Seen(NamedTuple):
-    """One sequence, watched; ticks of 20 ms, angles in rad."""
+class Imitation(NamedTuple):
+    """One sequence; ticks of 20 ms, angles in rad."""
 
     path: FloatArray
     """(T, 2) what the teacher meant to do."""
@@ -22,12 +26,21 @@ class Seen(NamedTuple):
     hidden: NDArray[np.bool_]
     """(T,)"""
     watched: Watched
-
-
-class Performed(NamedTuple):
-    """One sequence, reproduced; true angles of the imitator, rad."""
-
     imitated: FloatArray
-    """(T, 2)"""
+    """(T, 2) true angles of the imitator."""
     replayed: FloatArray
-    """(T, 2) the raw estimate of each frame sent to the servos."""
+    """(T, 2) the same when the raw estimate of each frame is sent to the servos."""
+
+
+class Found(NamedTuple):
+    """Everything one run found."""
+
+    config: Config
+    looked: Search
+    appearance: Appearance
+    mind: Mind
+    images: list[tuple[Image, Image]]
+    """What was seen of the first sequence, one pair for each frame."""
+    sequences: list[Imitation]
+    crossed: Crossed | None
+    """What look-alikes did, if there were any."""

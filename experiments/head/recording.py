@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
 from experiments.head.distractor import BALLS, INKS, Crossed
-from experiments.head.found import Performed, Seen
+from experiments.head.found import Found
 from experiments.head.options import Config
 from experiments.shared import views
-from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search, Sequences
+from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search
 from experiments.shared.eyes_recording import log_balls, log_eyes, log_head, log_points, log_rings, log_stage
 from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
 from experiments.shared.recording import log_series, recording
 from imitation.deferred import HeadMemory
-from imitation.seeing.pose import Appearance
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
 from models.heads import stage
@@ -32,17 +31,9 @@ TOYS_OF_ANOTHER_ROOM = (
 PLACES = {ball.name: np.array(ball.position) for ball in TOYS_OF_ANOTHER_ROOM}
 
 
-def record(
-    path: Path,
-    config: Config,
-    sequences: Sequences,
-    appearance: Appearance,
-    one: Seen,
-    done: Performed,
-    crossed: Crossed | None,
-    summary: str,
-) -> None:
-    """Write the recording of one sequence."""
+def record(path: Path, done: Found, summary: str) -> None:
+    """Write the recording of the first sequence."""
+    config, one, crossed = done.config, done.sequences[0], done.crossed
     every = round(FRAME_S / TICK_S)
     frames = np.arange(0, len(one.path), every)
     name = f"{config.robot} imitates {config.movement}, seed {config.seed}"
@@ -52,18 +43,18 @@ def record(
     with recording(path, "imitate-head", name, _layout(config), summary) as stream:
         shape = (len(frames), len(FACE), 2, NUMBERS)
         found = one.numbers[frames].reshape(shape)[..., :2]
-        expected = appearance.expect(one.watched.pose[frames]).reshape(shape)[..., :2]
-        log_eyes(stream, sequences.images[: len(frames)], FRAME_S, found, expected, (0.7, 1.6))
+        expected = done.appearance.expect(one.watched.pose[frames]).reshape(shape)[..., :2]
+        log_eyes(stream, done.images[: len(frames)], FRAME_S, found, expected, (0.7, 1.6))
         truth = one.truth[frames]
-        seen = onlook(model, config.robot, done.imitated[frames], None if later else truth, PLACES if later else {})
+        seen = onlook(model, config.robot, one.imitated[frames], None if later else truth, PLACES if later else {})
         log_stage(stream, seen, FRAME_S)
         log_head(stream, "raw", one.watched.raw[frames], FRAME_S, REPLAYED, "frame alone", 1.0)
         log_head(stream, "demonstrated", truth, FRAME_S, DEMONSTRATED, width=4.0)
         log_head(stream, "estimated", one.watched.pose, TICK_S, ESTIMATED)
-        log_head(stream, "imitated", done.imitated, TICK_S, IMITATED)
+        log_head(stream, "imitated", one.imitated, TICK_S, IMITATED)
         used = one.watched.used[frames].astype(float)
         log_series(stream, "seen/numbers", used, FRAME_S, "numbers used", ESTIMATED)
-        error = np.rad2deg(np.hypot(*(done.imitated[frames] - truth).T))
+        error = np.rad2deg(np.hypot(*(one.imitated[frames] - truth).T))
         log_series(stream, "error/imitated", error, FRAME_S, "imitated [deg]", IMITATED)
         if crossed is not None:
             _record_strays(stream, crossed, frames, np.array(head_of(config.robot).table))

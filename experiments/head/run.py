@@ -1,5 +1,7 @@
 """A head watches another head nod, shake and look around, remembers it, and does the same: at once or another day."""
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ from babbling.mind import Mind, learn
 from experiments.head.alone import from_memory, nobody
 from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
-from experiments.head.found import Performed, Seen
+from experiments.head.found import Found, Imitation
 from experiments.head.options import Config
 from experiments.head.recall import reproduce, reproduce_elsewhere
 from experiments.head.recording import record
@@ -31,7 +33,7 @@ from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from imitation.deferred import HeadMemory
-from imitation.seeing.pose import Appearance, watch
+from imitation.seeing.pose import Watched, watch
 from models.biclops.movements import TICK_S, movement
 from models.seeing_body import head_fingerprint, watching_body
 
@@ -69,19 +71,21 @@ def run(config: Config) -> Result:
     if strays is not None:
         with progress("tracking") as report:
             kept = keep_all(strays, [len(p) for p in paths], config.height, appearance, config.seed, report)
-    seen = []
-    for b, path in enumerate(paths):
-        count = len(path)
-        numbers = kept[IMITATED][b].numbers if kept else sequences.numbers[:count, b]
-        watched = kept[IMITATED][b].watched if kept else watch(appearance, numbers, TICK_S)
-        seen.append(Seen(path, sequences.truth[:count, b], numbers, sequences.hidden[:count, b], watched))
-    performed = []
+    done = []
     with progress("imitating") as report:
-        for b, one in enumerate(seen):
-            performed.append(_perform(config, mind, one, config.seed + b))
-            report((b + 1) / len(seen))
-    crossed = None if strays is None else Crossed(strays, kept, [one.truth for one in seen], appearance, config.seed)
-    return _result(config, looked, appearance, mind, sequences, seen, performed, crossed)
+        for b, path in enumerate(paths):
+            count = len(path)
+            numbers = kept[IMITATED][b].numbers if kept else sequences.numbers[:count, b]
+            watched = kept[IMITATED][b].watched if kept else watch(appearance, numbers, TICK_S)
+            imitated, replayed = _perform(config, mind, watched, config.seed + b)
+            truth, hidden = sequences.truth[:count, b], sequences.hidden[:count, b]
+            done.append(Imitation(path, truth, numbers, hidden, watched, imitated, replayed))
+            report((b + 1) / len(paths))
+    crossed = None if strays is None else Crossed(strays, kept, [one.truth for one in done], appearance, config.seed)
+    found = Found(config, looked, appearance, mind, sequences.images, done, crossed)
+    metrics = _metrics(found)
+    summary = _summary(config, metrics) + ("" if crossed is None else crossed.summary)
+    return Result(metrics, summary, figures(found), lambda path: record(path, found, summary), _files(found))
 
 
 def _search(config: Config) -> Search:
@@ -117,50 +121,41 @@ def within_reach(path: FloatArray, robot: str) -> FloatArray:
     return np.column_stack([path[:, 0], np.where(path[:, 1] < 0, path[:, 1] * low / up, path[:, 1])])
 
 
-def remembered(config: Config, one: Seen, name: str) -> HeadMemory:
+def remembered(config: Config, watched: Watched) -> HeadMemory:
     """What lasts of a watched sequence."""
-    return HeadMemory(head_fingerprint(config.robot), TICK_S, name, one.watched.pose, one.watched.deviation)
+    return HeadMemory(head_fingerprint(config.robot), TICK_S, config.movement, watched.pose, watched.deviation)
 
 
-def _perform(config: Config, mind: Mind, one: Seen, seed: int) -> Performed:
-    memory = remembered(config, one, config.movement)
-    if config.deferred:
-        imitated = reproduce_elsewhere(memory, mind, config.robot, config.selection, seed)
-    else:
-        imitated = reproduce(memory, mind, config.robot, config.selection, seed)
+def _perform(config: Config, mind: Mind, watched: Watched, seed: int) -> tuple[FloatArray, FloatArray]:
+    """(T, 2) true angles: the estimate imitated, and each frame's raw estimate replayed."""
+    do = reproduce_elsewhere if config.deferred else reproduce
+    imitated = do(remembered(config, watched), mind, config.robot, config.selection, seed)
     body = watching_body(config.robot)
     body.reset()
     replayed = np.empty_like(imitated)
     for _ in range(100):
-        body.act(body.command_angles(one.watched.raw[:1]))
-    for t, pose in enumerate(one.watched.raw):
+        body.act(body.command_angles(watched.raw[:1]))
+    for t, pose in enumerate(watched.raw):
         replayed[t] = body.joint_angles[0]
         body.act(body.command_angles(pose[None]))
-    return Performed(imitated, replayed)
+    return imitated, replayed
 
 
-def _result(
-    config: Config,
-    looked: Search,
-    appearance: Appearance,
-    mind: Mind,
-    sequences: Sequences,
-    seen: list[Seen],
-    performed: list[Performed],
-    crossed: Crossed | None,
-) -> Result:
-    truth, hidden = (np.concatenate([getattr(one, kind) for one in seen]) for kind in ("truth", "hidden"))
-    pose, live, raw = (np.concatenate([getattr(one.watched, kind) for one in seen]) for kind in ("pose", "live", "raw"))
-    imitated, replayed = (np.concatenate(parts) for parts in zip(*performed, strict=True))
+def _metrics(found: Found) -> dict[str, Any]:
+    config, done = found.config, found.sequences
+
+    def joined(kind: str) -> NDArray[Any]:
+        return np.concatenate([getattr(one if hasattr(one, kind) else one.watched, kind) for one in done])
+
+    truth, hidden, pose, live, raw = map(joined, ("truth", "hidden", "pose", "live", "raw"))
     clear = np.where(hidden[:, None], np.nan, truth)
     estimate = rmse_deg(pose, truth)
-    each = [rmse_deg(p.imitated, one.truth) for p, one in zip(performed, seen, strict=True)]
     metrics: dict[str, Any] = {
         "robot": config.robot,
         "movement": "random" if config.study else config.movement,
         "face_found": True,
-        "search_s_simulated": looked.seconds,
-        "sequences": len(seen),
+        "search_s_simulated": found.looked.seconds,
+        "sequences": len(done),
         "frames": int(np.isfinite(truth[:, 0]).sum()),
         "hidden_frames": int((hidden & np.isfinite(truth[:, 0])).sum()),
         "lessons": config.lessons,
@@ -170,26 +165,20 @@ def _result(
         "head_raw_estimate_in_view_rmse_deg": rmse_deg(raw, clear),
         "head_estimate_in_view_rmse_deg": rmse_deg(pose, clear),
         "head_raw_over_filtered": rmse_deg(raw, truth) / estimate,
-        "head_reproduced_rmse_deg": rmse_deg(imitated, truth),
-        "head_reproduced_worst_sequence_deg": max(each),
-        "head_raw_replay_rmse_deg": rmse_deg(replayed, truth),
+        "head_reproduced_rmse_deg": rmse_deg(joined("imitated"), truth),
+        "head_reproduced_worst_sequence_deg": max(rmse_deg(one.imitated, one.truth) for one in done),
+        "head_raw_replay_rmse_deg": rmse_deg(joined("replayed"), truth),
         "deferred": config.deferred,
     }
-    if crossed is not None:
-        metrics |= crossed.metrics
-    summary = _summary(config, metrics) + ("" if crossed is None else crossed.summary)
-    return Result(
-        metrics,
-        summary,
-        figures(appearance, seen, performed, crossed),
-        lambda path: record(path, config, sequences, appearance, seen[0], performed[0], crossed, summary),
-        {
-            "memory.nc": lambda path: save(
-                remembered(config, seen[0], config.movement), path, {"axis": ("pan", "tilt")}
-            ),
-            "mind.nc": lambda path: save(mind, path, people_say(watching_body(config.robot)), robot=config.robot),
-        },
-    )
+    return metrics if found.crossed is None else metrics | found.crossed.metrics
+
+
+def _files(found: Found) -> dict[str, Callable[[Path], None]]:
+    memory, robot = remembered(found.config, found.sequences[0].watched), found.config.robot
+    return {
+        "memory.nc": lambda path: save(memory, path, {"axis": ("pan", "tilt")}),
+        "mind.nc": lambda path: save(found.mind, path, people_say(watching_body(robot)), robot=robot),
+    }
 
 
 def _summary(config: Config, metrics: dict[str, Any]) -> str:

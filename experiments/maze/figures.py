@@ -9,7 +9,7 @@ from matplotlib.patches import Rectangle
 
 from babbling.axes import FloatArray
 from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
-from experiments.maze.learning import Curve
+from experiments.maze.learning import Convergence
 from experiments.maze.mind import Inferred, places_of
 from experiments.shared.figures import draw_curve
 from experiments.shared.palette import OURS
@@ -157,7 +157,7 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
     return figure
 
 
-def learning_curve(curve: Curve) -> Figure:
+def learning_curve(curve: Convergence) -> Figure:
     """Total variation of the learned rows against wandering steps and against counted visits, with the bound."""
     wide = len(curve.per_visit) >= 3
     figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")

@@ -13,7 +13,7 @@ from models.maze import TRUE_DYNAMICS, Maze, MazeBody
 
 
 @dataclass(frozen=True)
-class Curve:
+class Convergence:
     """How learned rows came closer to the truth, by wandering steps; rows nobody tried are left out and counted."""
 
     steps: tuple[int, ...]
@@ -48,7 +48,7 @@ def expected_distance(truth: FloatArray, visits: FloatArray) -> FloatArray:
     return expected
 
 
-def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> tuple[ForwardModel, Curve]:
+def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> tuple[ForwardModel, Convergence]:
     """`copies` walkers that each learn for themselves, and their learning curve.
 
     Args:
@@ -80,9 +80,9 @@ def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> t
     steps_done: list[int] = []
     model = babble(body, wanderer(body, alone=copies > 1), plan, seed, after_bout=look)
     if not points:
-        return model, Curve((), (), (), (), (), ())
+        return model, Convergence((), (), (), (), (), ())
     visits, tv, bound, spread, untried = zip(*points, strict=True)
-    return model, Curve(
+    return model, Convergence(
         tuple(steps_done),
         tuple(map(float, visits)),
         tuple(map(float, tv)),

@@ -12,7 +12,7 @@ from babbling.axes import Axis, FloatArray
 from babbling.files import save
 from experiments.errors import ExperimentError
 from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
-from experiments.maze.learning import Curve, walkers
+from experiments.maze.learning import Convergence, walkers
 from experiments.maze.mind import (
     UNSEEN,
     Experience,
@@ -142,7 +142,7 @@ def _check(config: Config, maze: Maze) -> FloatArray:
     return check_goal_prior(given, goals)
 
 
-def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Curve | None]:
+def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Convergence | None]:
     """Wander and watch, or remember."""
     if config.memory is not None:
         experience = recall(config.memory, maze)
@@ -173,7 +173,7 @@ def _metrics(
     journey: Journey,
     beliefs: dict[str, Inferred],
     even: Inferred,
-    curve: Curve | None,
+    curve: Convergence | None,
 ) -> dict[str, Any]:
     model, decisions, goal = experience.forward_model, journey.decisions, config.goal
     table = believed(model)[0]

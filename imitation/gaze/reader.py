@@ -129,7 +129,7 @@ class GazeReader:
             self.fixations, self.geometry, self.tilt, found.x, rest.mean(0), np.cov(rest.T) * (1 + 5 / len(rest))
         )
 
-    def habit(self, pose: FloatArray, places: FloatArray, head: FloatArray) -> FloatArray:
+    def like_me(self, pose: FloatArray, places: FloatArray, head: FloatArray) -> FloatArray:
         """(G,) P(pose | g_k) density: how one who wanted to look at (G, 3) places would hold the head."""
         expected = self.imagined(places, np.tile(head, (len(places), 1))) + self.bias
         away = pose - expected
@@ -141,9 +141,9 @@ class GazeReader:
         self, pose: FloatArray, places: FloatArray, head: FloatArray, prior: FloatArray, sees: float = 1.0
     ) -> Posterior:
         """Eq. (2): P(g | pose) over (G, 3) places; with probability 1 - `sees` the pose has nothing to do with them."""
-        habit = (1.0 - LAPSE) * self.habit(pose, places, head) + LAPSE * ANYWHERE
-        level = habit @ prior
-        action_prior = sees * habit + (1.0 - sees) * level
+        meant = (1.0 - LAPSE) * self.like_me(pose, places, head) + LAPSE * ANYWHERE
+        level = meant @ prior
+        action_prior = sees * meant + (1.0 - sees) * level
         return goal_posterior(np.ones(1), action_prior, prior)
 
 
