@@ -8,9 +8,8 @@ import numpy as np
 
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.files import checked
 from models.robots import Robot, find
-
-LARGEST_BYTES = 64 << 20
 
 
 def load_body(
@@ -67,12 +66,7 @@ def compiled(path: Path) -> mujoco.MjModel:
     Raises:
         BodyError: see `load_body`.
     """
-    if not path.exists():
-        raise BodyError(f"{path}: there is no such file; give a robot's name or the path of an MJCF file")
-    if path.is_dir():
-        raise BodyError(f"{path}: this is a directory; name the MJCF file in it")
-    if path.stat().st_size > LARGEST_BYTES:
-        raise BodyError(f"{path}: {path.stat().st_size} bytes; more than {LARGEST_BYTES} are not read")
+    checked(path)
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]

@@ -46,7 +46,7 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.loading import load_body
 from models.maze import MazeBody, parse_maze
-from models.motion import FORMATS, MotionError, read_motion
+from models.motion import FORMATS, read_motion
 from models.part import PartOfBody
 from models.robots import ROBOTS
 from models.seeing_body import SeeingBody, watching_body
@@ -238,7 +238,7 @@ def test_a_robots_folder_has_its_papers(folder: Path) -> None:
 def test_a_format_refuses_what_is_none_of_it(suffix: str, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / f"movement{suffix}"
     path.write_bytes(content)
-    with pytest.raises(MotionError) as caught:
+    with pytest.raises(BodyError) as caught:
         read_motion(path)
     assert path.name in str(caught.value) and "\n" not in str(caught.value)
 

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from models.errors import BodyError
+from models.files import finite, table
 from models.hoap2.facts import ENCODER_PULSES_PER_DEGREE, JOINTS, PULSE_SIGNS
-from models.motion.files import MotionError
 from models.motion.trajectory import JointTrajectory
 
 FIELDS = 27
@@ -19,41 +20,23 @@ FIRST_JOINT_FIELD = 2
 
 
 def looks_like_motion_file(content: str) -> bool:
-    """Whether the first line that is not blank holds numbers only, 27 of them or so: a table begins with names."""
-    first = next((line for line in content.splitlines() if line.strip()), "")
-    cells = first.split(",")
-    return len(cells) > 1 and all(_is_number(cell) for cell in cells) and abs(len(cells) - FIELDS) <= 2
+    """Whether the first line that is not blank has 27 fields or so, a number first: a table begins with names."""
+    first = next((line for line in content.splitlines() if line.strip()), "").split(",")
+    return abs(len(first) - FIELDS) <= 2 and first[0].lstrip(" +-")[:1].isdecimal()
 
 
 def parse_motion_file(content: str, path: Path) -> JointTrajectory:
     """Read a motion file from its text; `path` names it in errors. All 25 joints, radians, first line at 0 s."""
     rows = []
-    for number, line in enumerate(content.splitlines(), start=1):
-        if not line.strip():
-            continue
-        cells = line.strip().split(",")
+    for where, cells in table(content, path):
         if len(cells) != FIELDS:
-            raise MotionError(
-                f"{path}: line {number} has {len(cells)} fields where a HOAP-2 motion file has {FIELDS}; "
-                "download it again or mend the line"
-            )
-        for field, cell in enumerate(cells, start=1):
-            if not _is_number(cell) or not np.isfinite(float(cell)):
-                raise MotionError(f"{path}: line {number}, field {field}: {cell.strip()!r} is not a number")
-        rows.append([float(cell) for cell in cells])
+            raise BodyError(f"{where} has {len(cells)} fields where a HOAP-2 motion file has {FIELDS}")
+        rows.append([finite(cell, f"{where}, field {field}") for field, cell in enumerate(cells, start=1)])
         if rows[-1][0] <= 0:
-            raise MotionError(f"{path}: line {number}: sampling interval {cells[0].strip()} ms; it must be above 0")
-    fields = np.array(rows).reshape(-1, FIELDS)
+            raise BodyError(f"{where}: sampling interval {cells[0]} ms; it must be above 0")
+    fields = np.array(rows)
     time = np.concatenate([[0.0], np.cumsum(fields[:-1, 0])]) / 1000
     angles = np.zeros((len(fields), len(JOINTS)))
     for field, (joint, sign) in enumerate(PULSE_SIGNS.items(), start=FIRST_JOINT_FIELD):
         angles[:, JOINTS.index(joint)] = np.deg2rad(sign * fields[:, field] / ENCODER_PULSES_PER_DEGREE)
-    return JointTrajectory(str(path), time[: len(fields)], JOINTS, angles)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    return JointTrajectory(str(path), time, JOINTS, angles)

@@ -93,11 +93,11 @@ class MazeBody:
         Raises:
             BodyError: an action that does not exist.
         """
-        action = np.asarray(motors)[:, 0].astype(int)
-        if ((action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])).any():
-            bad = motors[(action < 0) | (action >= len(ACTIONS)) | (action != motors[:, 0])].flat[0]
-            raise BodyError(f"action {bad:g}: the walker knows 0 to {len(ACTIONS) - 1} ({', '.join(ACTIONS)})")
-        self.move(action)
+        wrong = ~np.isin(motors[:, 0], range(len(ACTIONS)))
+        if wrong.any():
+            told = f"the walker knows 0 to {len(ACTIONS) - 1} ({', '.join(ACTIONS)})"
+            raise BodyError(f"action {motors[wrong].flat[0]:g}: {told}")
+        self.move(motors[:, 0].astype(int))
         return self.feel()
 
     def move(self, action: IntArray) -> IntArray:

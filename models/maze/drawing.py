@@ -13,17 +13,25 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.errors import BodyError
+from models.files import text
 from models.maze.maze import BoolArray, Maze, Place
 
 LARGEST = 200
 """Cells along a side."""
-LONGEST_FILE = 1 << 19
-"""Bytes of a drawing; 200 x 200 cells with comments need half of it."""
+LONGEST_FILE = 1 << 20
+"""Bytes of a drawing; 200 x 200 cells with comments need a quarter of it."""
 
 _PITCH = 3  # characters from one corner to the next
-_KNOWN = set("+-| *#123456789")
+_CORNER, _LEVEL, _UPRIGHT, _CELL = range(4)
+_BELONGS = {
+    _CORNER: ("+-| ", "a corner '+'"),
+    _LEVEL: ("- ", "a wall '--' or an opening of two spaces"),
+    _UPRIGHT: ("| ", "a wall '|' or an opening ' '"),
+    _CELL: (" *123456789", "a space, '*' for the start or 1 to 9 for a goal"),
+}
 
 
 def default_maze() -> Maze:
@@ -37,40 +45,32 @@ def read_maze(path: Path) -> Maze:
     Raises:
         BodyError: no such file, not a text, too large, or a drawing that is no maze (line and column named).
     """
-    try:
-        if path.stat().st_size > LONGEST_FILE:
-            raise BodyError(
-                f"{path}: {path.stat().st_size} bytes; a drawing of the largest maze ({LARGEST} x {LARGEST} cells) "
-                f"needs fewer than {LONGEST_FILE}"
-            )
-        text = path.read_bytes().decode("utf-8")
-    except OSError as error:
-        raise BodyError(f"{path}: cannot be read ({error.strerror or error}); give a drawing of a maze") from None
-    except UnicodeDecodeError:
-        raise BodyError(f"{path}: not a text; a maze is drawn with '+', '-', '|', spaces, '*' and digits") from None
-    return parse_maze(text, str(path))
+    return parse_maze(text(path, LONGEST_FILE), str(path))
 
 
-def parse_maze(text: str, name: str = "maze") -> Maze:
+def parse_maze(drawing: str, name: str = "maze") -> Maze:
     """A maze from its drawing.
 
     Raises:
         BodyError: see `read_maze`.
     """
-    lines = [(i, line.rstrip("\r")) for i, line in enumerate(text.split("\n"), 1) if not line.startswith("#")]
+    lines = [(i, line.rstrip("\r")) for i, line in enumerate(drawing.split("\n"), 1) if not line.startswith("#")]
     while lines and not lines[-1][1].strip():
         lines.pop()
     while lines and not lines[0][1].strip():
         lines.pop(0)
     _check_shape(lines, name)
-    rows, columns = (len(lines) - 1) // 2, (len(lines[0][1]) - 1) // _PITCH
-    walls = np.zeros((rows, columns, 4), bool)
+    signs = np.array([list(line) for _, line in lines])
+    _check_signs(signs, [f"{name}, line {number}" for number, _ in lines])
+    level, upright = (signs[::2, 1::_PITCH] == "-")[::-1], (signs[1::2, ::_PITCH] == "|")[::-1]  # from below
+    walls = np.stack([level[1:], upright[:, 1:], level[:-1], upright[:, :-1]], axis=-1)
     marks: dict[str, Place] = {}
-    for k, (number, line) in enumerate(lines):
-        if k % 2 == 0:
-            _read_walls(line, f"{name}, line {number}", walls, k, rows)
-        else:
-            _read_cells(line, f"{name}, line {number}", walls, rows - k // 2, marks)
+    for row, column in np.argwhere(np.char.isalnum(signs) | (signs == "*")):
+        mark, place = str(signs[row, column]), (int(column) // _PITCH + 1, len(walls) - int(row) // 2)
+        if mark in marks:
+            where = f"{name}, line {lines[row][0]}, column {column + 1}"
+            raise BodyError(f"{where}: a second {mark!r}; the first is at {marks[mark]}")
+        marks[mark] = place
     digits = sorted(mark for mark in marks if mark != "*")
     if "*" not in marks:
         raise BodyError(f"{name}: no start; mark one cell with '*'")
@@ -99,12 +99,6 @@ def _check_shape(lines: list[tuple[int, str]], name: str) -> None:
         raise BodyError(f"{name}: {len(lines)} lines drawn; the least maze has 3: walls, cells, walls")
     first, top = lines[0]
     for number, line in lines:
-        for column, character in enumerate(line, 1):
-            if character not in _KNOWN:
-                raise BodyError(
-                    f"{name}, line {number}, column {column}: {character!r} means nothing in a maze; "
-                    "there are '+', '-', '|', spaces, '*' for the start and 1 to 9 for goals"
-                )
         if len(line) != len(top):
             raise BodyError(
                 f"{name}, line {number}: {len(line)} characters, line {first} has {len(top)}; "
@@ -117,57 +111,25 @@ def _check_shape(lines: list[tuple[int, str]], name: str) -> None:
         )
     if len(lines) % 2 == 0:
         raise BodyError(f"{name}: {len(lines)} lines; n rows of cells take 2 n + 1 (the last line must be a wall)")
-    rows, columns = (len(lines) - 1) // 2, (len(top) - 1) // _PITCH
+    rows, columns = len(lines) // 2, len(top) // _PITCH
     if max(rows, columns) > LARGEST:
         raise BodyError(f"{name}: {columns} x {rows} cells; the largest maze is {LARGEST} x {LARGEST}")
 
 
-def _read_walls(line: str, where: str, walls: BoolArray, k: int, rows: int) -> None:
-    """A line of walls between row `above` of cells and the one below it."""
-    below = rows - k // 2 - 1  # index of the row under this line
-    for x in range(walls.shape[1]):
-        column = _PITCH * x + 1
-        segment = line[column : column + 2]
-        if line[_PITCH * x] not in "+-| " or line[-1] not in "+-|":
-            at = _PITCH * x if line[_PITCH * x] not in "+-| " else len(line) - 1
-            raise BodyError(f"{where}, column {at + 1}: {line[at]!r} where a corner '+' belongs")
-        if segment not in ("--", "  "):
-            raise BodyError(
-                f"{where}, column {column + 1}: {segment!r} is neither a wall '--' nor an opening of two spaces"
-            )
-        if segment == "  " and below in (-1, rows - 1):
-            raise BodyError(f"{where}, column {column + 1}: the outer wall is open; close it with '--'")
-        if segment == "--":
-            if below >= 0:
-                walls[below, x, 0] = True
-            if below + 1 < rows:
-                walls[below + 1, x, 2] = True
+def _check_signs(signs: NDArray[np.str_], lines: list[str]) -> None:
+    """Refuse characters (rows, columns) that do not belong where they stand; `lines` names their lines in errors."""
 
+    def refuse(bad: BoolArray, told: str) -> None:
+        for row, column in np.argwhere(bad)[:1]:
+            raise BodyError(f"{lines[row]}, column {column + 1}: {told.format(str(signs[row, column]))}")
 
-def _read_cells(line: str, where: str, walls: BoolArray, y: int, marks: dict[str, Place]) -> None:
-    columns = walls.shape[1]
-    for x in range(columns + 1):
-        wall = line[_PITCH * x]
-        if wall not in "| ":
-            raise BodyError(f"{where}, column {_PITCH * x + 1}: {wall!r} is neither a wall '|' nor an opening ' '")
-        if wall == " " and x in (0, columns):
-            raise BodyError(f"{where}, column {_PITCH * x + 1}: the outer wall is open; close it with '|'")
-        if wall == "|":
-            if x > 0:
-                walls[y - 1, x - 1, 1] = True
-            if x < columns:
-                walls[y - 1, x, 3] = True
-        if x == columns:
-            return
-        cell = line[_PITCH * x + 1 : _PITCH * x + 3]
-        for offset, mark in enumerate(cell):
-            column = _PITCH * x + 2 + offset
-            if mark == " ":
-                continue
-            if mark in "+-|#":
-                raise BodyError(f"{where}, column {column}: {mark!r} inside a cell; cells hold a space, '*' or a goal")
-            if len(cell.strip()) > 1:
-                raise BodyError(f"{where}, column {column}: two marks {cell!r} in one cell; a cell holds one")
-            if mark in marks:
-                raise BodyError(f"{where}, column {column}: a second {mark!r}; the first is at {marks[mark]}")
-            marks[mark] = (x + 1, y)
+    kinds = np.array([[_CORNER, _LEVEL, _LEVEL], [_UPRIGHT, _CELL, _CELL]])
+    kind = np.tile(kinds, (len(signs) // 2 + 1, signs.shape[1] // _PITCH + 1))[: len(signs), : signs.shape[1]]
+    for number, (known, what) in _BELONGS.items():
+        refuse((kind == number) & ~np.isin(signs, list(known)), f"{{!r}} where {what} belongs")
+    before = np.roll(signs, 1, axis=1)
+    second = np.arange(signs.shape[1]) % _PITCH == 2
+    refuse(second & (kind == _LEVEL) & (signs != before), "half a wall; a wall is '--', an opening two spaces")
+    outside = np.pad(np.zeros(np.subtract(signs.shape, 2), bool), 1, constant_values=True)
+    refuse(outside & (kind != _CORNER) & (signs == " "), "the outer wall is open; close it with '--' or '|'")
+    refuse(second & (kind == _CELL) & (signs != " ") & (before != " "), "a second mark in one cell; a cell holds one")

@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
 from models.errors import BodyError
 
@@ -90,15 +92,10 @@ class Maze:
 
     def distances(self, goal: Place) -> IntArray:
         """(cells,) least number of moves to a place; -1 where no path leads."""
-        distance = np.full(self.cells, -1)
-        front = np.array([self.number(goal)])
-        distance[front] = 0
-        while front.size:
-            beyond = np.unique(self.lead[front, :4])
-            nearer = distance[front[0]]
-            front = beyond[distance[beyond] < 0]
-            distance[front] = nearer + 1
-        return distance
+        ways = np.repeat(np.arange(self.cells), 4), self.lead[:, :4].ravel()
+        graph = coo_array((np.ones(len(ways[0])), ways), (self.cells, self.cells))
+        distance = dijkstra(graph, indices=self.number(goal), unweighted=True)
+        return np.where(np.isinf(distance), -1, distance).astype(np.int64)
 
     @cached_property
     def fingerprint(self) -> str:

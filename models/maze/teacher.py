@@ -4,7 +4,6 @@ The chapter does not say how its teacher chose; this one always takes an action 
 do, each walk has its own liking (so that two demonstrations of one goal differ, as in the chapter's Figure 6 (b)).
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -82,24 +81,18 @@ def check_walk(maze: Maze, walk: Walk, name: str = "walk") -> None:
         BodyError: a goal or action that does not exist, a place outside, a jump, a step through a wall, or an end that
             is not the goal; the step is named.
     """
-    end = goal_place(maze, walk.goal)
-    for step, (x, y) in enumerate(walk.places):
+    places: list[Place] = [(int(x), int(y)) for x, y in walk.places]
+    for step, (x, y) in enumerate(places):
         if not (1 <= x <= maze.width and 1 <= y <= maze.height):
             raise BodyError(f"{name}, step {step}: ({x}, {y}) lies outside the maze of {maze.width} x {maze.height}")
-    for step, action in enumerate(walk.actions):
+    moves = STEPS.tolist()
+    for step, (action, here, there) in enumerate(zip(walk.actions, places, places[1:], strict=False)):
         if not 0 <= action < len(ACTIONS):
             raise BodyError(f"{name}, step {step}: action {action}; there are 0 to 4 ({', '.join(ACTIONS)})")
-        here, there = _pair(walk.places[step : step + 2])
-        moves = [i for i, move in enumerate(STEPS) if here[0] + move[0] == there[0] and here[1] + move[1] == there[1]]
-        if not moves:
+        move = [there[0] - here[0], there[1] - here[1]]
+        if move not in moves:
             raise BodyError(f"{name}, step {step}: from {here} to {there} is no single step")
-        if maze.blocked[maze.number(here), moves[0]]:
+        if maze.blocked[maze.number(here), moves.index(move)]:
             raise BodyError(f"{name}, step {step}: from {here} to {there} leads through a wall")
-    last = (int(walk.places[-1, 0]), int(walk.places[-1, 1]))
-    if last != end:
-        raise BodyError(f"{name}: it ends at {last}, but goal {walk.goal} is at {end}")
-
-
-def _pair(two: Iterable[IntArray]) -> tuple[Place, Place]:
-    (a, b), (c, d) = two
-    return (int(a), int(b)), (int(c), int(d))
+    if places[-1] != goal_place(maze, walk.goal):
+        raise BodyError(f"{name}: it ends at {places[-1]}, but goal {walk.goal} is at {goal_place(maze, walk.goal)}")

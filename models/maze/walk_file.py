@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from models.errors import BodyError
+from models.files import table, text
 from models.maze.maze import ACTIONS, Maze
 from models.maze.teacher import Walk, check_walk
 
@@ -38,57 +39,35 @@ def read_walks(path: Path, maze: Maze) -> list[Walk]:
     Raises:
         BodyError: no such file, not such a table (line named), or a walk that nobody can walk (step named).
     """
-    try:
-        if path.stat().st_size > LONGEST_FILE:
-            raise BodyError(f"{path}: {path.stat().st_size} bytes; walks take at most {LONGEST_FILE}")
-        lines = path.read_bytes().decode("utf-8").splitlines()
-    except OSError as error:
-        raise BodyError(f"{path}: cannot be read ({error.strerror or error}); give a table of walks") from None
-    except UnicodeDecodeError:
-        raise BodyError(f"{path}: not a text; walks are a table {','.join(HEADER)}") from None
-    rows = list(csv.reader(lines))
-    if not rows or tuple(cell.strip() for cell in rows[0]) != HEADER:
-        raise BodyError(f"{path}, line 1: {lines[0][:60]!r}; the first line must be {','.join(HEADER)}" if rows else
-                        f"{path}: empty; the first line must be {','.join(HEADER)}")  # fmt: skip
-    found: dict[str, list[tuple[int, list[str]]]] = {}
-    for number, row in enumerate(rows[1:], 2):
-        if not any(row):
-            continue
-        if len(row) != len(HEADER):
-            raise BodyError(
-                f"{path}, line {number}: {len(row)} fields; there must be {len(HEADER)}: {','.join(HEADER)}"
-            )
-        found.setdefault(row[0].strip(), []).append((number, [cell.strip() for cell in row]))
+    rows = table(text(path, LONGEST_FILE), path)
+    if not rows or tuple(rows[0][1]) != HEADER:
+        raise BodyError(f"{path}: the first line must be {','.join(HEADER)}")
+    found: dict[str, list[tuple[str, list[str]]]] = {}
+    for where, (name, *cells) in rows[1:]:
+        found.setdefault(name, []).append((where, cells))
     if not found:
         raise BodyError(f"{path}: no walks in it")
-    walks = []
-    for name, steps in found.items():
-        walk = _walk(steps, path)
+    walks = {name: _walk(steps) for name, steps in found.items()}
+    for name, walk in walks.items():
         check_walk(maze, walk, f"{path}, walk {name}")
-        walks.append(walk)
-    return walks
+    return list(walks.values())
 
 
-def _walk(steps: list[tuple[int, list[str]]], path: Path) -> Walk:
-    places, actions, goals = [], [], set()
-    for i, (number, (_, goal, step, x, y, action)) in enumerate(steps):
-        try:
-            goals.add(int(goal))
-            places.append((int(x), int(y)))
-            if int(step) != i:
-                raise BodyError(f"{path}, line {number}: step {step} where step {i} belongs")
-        except ValueError as error:
-            if isinstance(error, BodyError):
-                raise
-            raise BodyError(f"{path}, line {number}: goal, step, x and y must be whole numbers") from None
+def _walk(steps: list[tuple[str, list[str]]]) -> Walk:
+    numbers, actions = [], []
+    for i, (where, (*whole, action)) in enumerate(steps):
+        if not all(cell.isdecimal() and len(cell) < 8 for cell in whole):
+            raise BodyError(f"{where}: goal, step, x and y must be whole numbers, 0 to 9999999")
+        numbers.append([int(cell) for cell in whole])
+        if numbers[i][1] != i:
+            raise BodyError(f"{where}: step {numbers[i][1]} where step {i} belongs")
         last = i == len(steps) - 1
-        if (action not in ACTIONS and not last) or (last and action):
+        if action not in ([""] if last else ACTIONS):
             right = "no action after the last step" if last else f"one of {', '.join(ACTIONS)}"
-            raise BodyError(f"{path}, line {number}: action {action!r}; there must be {right}")
-        if not last:
-            actions.append(ACTIONS.index(action))
+            raise BodyError(f"{where}: action {action!r}; there must be {right}")
+        actions.append(action)
+    table_of = np.array(numbers)
+    goals = np.unique(table_of[:, 0]).tolist()
     if len(goals) != 1:
-        raise BodyError(f"{path}, line {steps[0][0]}: a walk with goals {sorted(goals)}; it has one")
-    if max(max(place) for place in places) > 1 << 20 or min(min(place) for place in places) < 0:
-        raise BodyError(f"{path}, line {steps[0][0]}: a walk beyond any maze")
-    return Walk(goals.pop(), np.array(places, np.int64), np.array(actions, np.int64))
+        raise BodyError(f"{steps[0][0]}: a walk with goals {goals}; it has one")
+    return Walk(goals[0], table_of[:, 2:], np.array([ACTIONS.index(action) for action in actions[:-1]], np.int64))

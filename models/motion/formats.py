@@ -4,10 +4,10 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from models.errors import unknown
+from models.errors import BodyError, unknown
+from models.files import checked, text
 from models.hoap2.motion_file import looks_like_motion_file, parse_motion_file
 from models.motion.archives import read_archive
-from models.motion.files import MotionError, checked, text
 from models.motion.tables import Unit, parse_table
 from models.motion.trajectory import JointTrajectory
 
@@ -24,7 +24,7 @@ FORMATS: dict[str, Callable[[str | os.PathLike[str], Unit | None], JointTrajecto
     ".csv": read_csv,
     ".npz": read_archive,
 }
-"""Suffix -> reader. A reader raises MotionError, one line, for whatever is wrong with a file."""
+"""Suffix -> reader. A reader raises BodyError, one line, for whatever is wrong with a file."""
 
 
 def read_motion(
@@ -38,7 +38,7 @@ def read_motion(
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         checked(path)
-        raise MotionError(f"{path}: {unknown('motion file suffix', suffix, FORMATS)}")
+        raise BodyError(f"{path}: {unknown('motion file suffix', suffix, FORMATS)}")
     trajectory = FORMATS[suffix](path, unit)
     if ranges is not None:
         trajectory.check_ranges(ranges)

@@ -1,16 +1,17 @@
 """Joint trajectories as comma-separated text with a header: `time,<joint>,<joint>,...`.
 
-Time is in seconds. Angles are radians, or degrees where a line `# unit: deg` stands before the header.
+Time is in seconds. Angles are radians, or degrees where a line says `# unit: deg`.
 """
 
-import csv
-import os
+import re
 from pathlib import Path
-from typing import IO, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from models.motion.files import MotionError, write
+from models.errors import BodyError
+from models.files import finite, table
 from models.motion.trajectory import JointTrajectory
 
 Unit = Literal["rad", "deg"]
@@ -18,70 +19,30 @@ UNITS: dict[str, float] = {"rad": 1.0, "deg": np.pi / 180}
 """Radians in one of each."""
 
 
+def in_unit(path: Path, time: ArrayLike, joints: list[str], angles: ArrayLike, unit: str) -> JointTrajectory:
+    """The trajectory that a file holds, its angles in `unit`."""
+    if unit not in UNITS:
+        raise BodyError(f"{path}: unit {unit!r}; angles are in 'rad' or 'deg'")
+    radians = np.asarray(angles, float) * UNITS[unit]
+    return JointTrajectory(str(path), np.asarray(time, float), tuple(joints), radians)
+
+
 def parse_table(content: str, path: Path, unit: Unit | None = None) -> JointTrajectory:
-    """Read a table from its text; `path` names it in errors."""
-    header: list[str] | None = None
-    rows: list[list[float]] = []
-    declared: str = unit or "rad"
-    for number, line in enumerate(content.splitlines(), start=1):
-        if not line.strip():
-            continue
-        if line.lstrip().startswith("#"):
-            key, _, value = line.lstrip("# \t").partition(":")
-            if key.strip() == "unit" and unit is None:
-                declared = value.strip()
-                if declared not in UNITS:
-                    raise MotionError(f"{path}: line {number}: unit {declared!r}; angles are in 'rad' or 'deg'")
-            continue
-        cells = [cell.strip() for cell in next(csv.reader([line]))]
-        if header is None:
-            header = _header(cells, path, number)
-        elif len(cells) != len(header):
-            raise MotionError(
-                f"{path}: line {number} has {len(cells)} cells where the header has {len(header)}; give one per column"
-            )
-        else:
-            rows.append([_number(cell, column, path, number) for cell, column in zip(cells, header, strict=True)])
-    if header is None:
-        raise MotionError(f"{path}: has no header; the first line must be time,<joint>,<joint>,...")
-    clock = header.index("time")
-    values = np.array(rows).reshape(-1, len(header))
-    joints = tuple(name for name in header if name != "time")
-    return JointTrajectory(str(path), values[:, clock], joints, np.delete(values, clock, axis=1) * UNITS[declared])
-
-
-def write_table(trajectory: JointTrajectory, path: str | os.PathLike[str]) -> None:
-    """Write a trajectory in radians with all digits: reading it again gives the same numbers."""
-    lines = [",".join(("time", *trajectory.joints))]
-    for moment, row in zip(trajectory.time.tolist(), trajectory.angles.tolist(), strict=True):
-        lines.append(",".join(map(repr, (moment, *row))))
-    content = ("\n".join(lines) + "\n").encode()
-
-    def fill(stream: IO[bytes]) -> None:
-        stream.write(content)
-
-    write(path, fill)
-
-
-def _header(cells: list[str], path: Path, number: int) -> list[str]:
-    if "time" not in cells:
-        raise MotionError(
-            f"{path}: line {number}: column 'time' is missing; the header must be time,<joint>,<joint>,..."
-        )
-    for cell in cells:
-        if not cell:
-            raise MotionError(f"{path}: line {number}: a column has no name; name the joint")
-        if cells.count(cell) > 1:
-            raise MotionError(f"{path}: line {number}: column {cell!r} appears twice; name each joint once")
-    return cells
-
-
-def _number(cell: str, column: str, path: Path, number: int) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        shown = cell if len(cell) <= 30 else cell[:27] + "..."
-        raise MotionError(f"{path}: line {number}, column {column!r}: {shown!r} is not a number") from None
-    if not np.isfinite(value):
-        raise MotionError(f"{path}: line {number}, column {column!r}: {cell!r} is not a finite number")
-    return value
+    """Read a table from its text; `path` names it in errors, `unit` overrules what it declares."""
+    rows = table(content, path)
+    if not rows:
+        raise BodyError(f"{path}: has no header; the first line must be time,<joint>,<joint>,...")
+    (where, header), *rows = rows
+    if "time" not in header:
+        raise BodyError(f"{where}: column 'time' is missing; the header must be time,<joint>,<joint>,...")
+    if "" in header:
+        raise BodyError(f"{where}: a column has no name; name the joint")
+    numbers = [
+        [finite(cell, f"{place}, column {column!r}") for cell, column in zip(cells, header, strict=True)]
+        for place, cells in rows
+    ]
+    values, clock = np.array(numbers).reshape(-1, len(header)), header.index("time")
+    declared = re.findall(r"^[ \t]*#[# \t]*unit[ \t]*:[ \t]*(.*?)[ \t\r]*$", content, re.MULTILINE)
+    joints = header[:clock] + header[clock + 1 :]
+    angles = np.delete(values, clock, axis=1)
+    return in_unit(path, values[:, clock], joints, angles, unit or (declared or ["rad"])[-1])

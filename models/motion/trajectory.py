@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from models.errors import unknown
-from models.motion.files import MotionError
+from models.errors import BodyError, unknown
 
 MIN_FRAMES = 3
 """Two frames are a jump; three are the least that has a velocity and an acceleration."""
@@ -25,7 +24,7 @@ class JointTrajectory:
     time: (T,) seconds, strictly increasing from 0, T >= 3; need not be evenly spaced.
     joints: J distinct joint names.
     angles: (T, J) radians, finite.
-    The arrays are copied and read-only. A value that breaks this raises MotionError.
+    The arrays are copied and read-only. A value that breaks this raises BodyError.
     """
 
     name: str
@@ -37,26 +36,26 @@ class JointTrajectory:
         time = np.array(self.time, dtype=float)
         angles = np.array(self.angles, dtype=float)
         joints = tuple(self.joints)
-        twice = sorted({joint for joint in joints if joints.count(joint) > 1})
-        if twice:
-            raise MotionError(f"{self.name}: joint {twice[0]!r} appears twice; name each joint once")
+        for joint in joints:
+            if joints.count(joint) > 1:
+                raise BodyError(f"{self.name}: joint {joint!r} appears twice; name each joint once")
         if time.ndim != 1 or angles.shape != (len(time), len(joints)):
-            raise MotionError(
+            raise BodyError(
                 f"{self.name}: time has shape {time.shape}, angles {angles.shape} and there are {len(joints)} joint "
                 "names; they must be (T,), (T, J) and J"
             )
         if not joints:
-            raise MotionError(f"{self.name}: names no joint; there must be at least one besides time")
+            raise BodyError(f"{self.name}: names no joint; there must be at least one besides time")
         if len(time) < MIN_FRAMES:
-            raise MotionError(f"{self.name}: has {len(time)} frames; a movement needs at least {MIN_FRAMES}")
+            raise BodyError(f"{self.name}: has {len(time)} frames; a movement needs at least {MIN_FRAMES}")
         if not np.isfinite(time).all():
-            raise MotionError(f"{self.name}: time of frame {_first(~np.isfinite(time))} is not a finite number")
+            raise BodyError(f"{self.name}: time of frame {_first(~np.isfinite(time))} is not a finite number")
         if not np.isfinite(angles).all():
             frame, joint = np.argwhere(~np.isfinite(angles))[0]
-            raise MotionError(f"{self.name}: frame {frame + 1}, joint {joints[joint]!r} is not a finite number")
+            raise BodyError(f"{self.name}: frame {frame + 1}, joint {joints[joint]!r} is not a finite number")
         if (np.diff(time) <= 0).any():
             frame = _first(np.diff(time) <= 0)
-            raise MotionError(
+            raise BodyError(
                 f"{self.name}: time does not increase from frame {frame} ({time[frame - 1]:g} s) to frame "
                 f"{frame + 1} ({time[frame]:g} s); put the frames in order"
             )
@@ -84,18 +83,18 @@ class JointTrajectory:
         """The same movement with its joints in this order; every one must be there, and no other."""
         for joint in self.joints:
             if joint not in joints:
-                raise MotionError(f"{self.name}: {unknown('joint', joint, joints)}")
+                raise BodyError(f"{self.name}: {unknown('joint', joint, joints)}")
         for joint in joints:
             if joint not in self.joints:
-                raise MotionError(f"{self.name}: joint {joint!r} is missing; add a column for it")
+                raise BodyError(f"{self.name}: joint {joint!r} is missing; add a column for it")
         columns = [self.joints.index(joint) for joint in joints]
         return JointTrajectory(self.name, self.time, tuple(joints), self.angles[:, columns])
 
     def check_ranges(self, ranges: Mapping[str, tuple[float, float]]) -> None:
-        """Raise MotionError unless every joint is in `ranges` (radians) and stays inside its own."""
+        """Raise BodyError unless every joint is in `ranges` (radians) and stays inside its own."""
         for joint in self.joints:
             if joint not in ranges:
-                raise MotionError(f"{self.name}: {unknown('joint', joint, ranges)}")
+                raise BodyError(f"{self.name}: {unknown('joint', joint, ranges)}")
         low, high = np.array([ranges[joint] for joint in self.joints]).T
         beyond = np.maximum(low - self.angles, self.angles - high)
         if beyond.max() <= RANGE_TOLERANCE:
@@ -107,7 +106,7 @@ class JointTrajectory:
             if ((as_degrees >= low - RANGE_TOLERANCE) & (as_degrees <= high + RANGE_TOLERANCE)).all()
             else "; keep the movement inside the joint's range"
         )
-        raise MotionError(
+        raise BodyError(
             f"{self.name}: joint {self.joints[column]!r} is at {np.rad2deg(self.angles[frame, column]):.1f} deg in "
             f"frame {frame + 1}, {np.rad2deg(beyond[frame, column]):.1f} deg beyond its range "
             f"{np.rad2deg(low[column]):.0f} .. {np.rad2deg(high[column]):.0f} deg{guess}"
@@ -117,12 +116,12 @@ class JointTrajectory:
 def frame_times(duration: float, dt: float, name: str) -> NDArray[np.float64]:
     """Times 0, dt, 2 dt ... up to `duration` seconds: at least 3 and at most a million of them."""
     if not dt > 0:
-        raise MotionError(f"{name}: a time step of {dt:g} s is impossible; give more than 0")
+        raise BodyError(f"{name}: a time step of {dt:g} s is impossible; give more than 0")
     count = duration / dt + 1e-9
     if count > MAX_FRAMES:
-        raise MotionError(f"{name}: lasts {duration:g} s, more than {MAX_FRAMES} frames of {dt:g} s; cut it shorter")
+        raise BodyError(f"{name}: lasts {duration:g} s, more than {MAX_FRAMES} frames of {dt:g} s; cut it shorter")
     if count < MIN_FRAMES - 1:
-        raise MotionError(f"{name}: lasts {duration:g} s, less than {MIN_FRAMES} frames of {dt:g} s; give a longer one")
+        raise BodyError(f"{name}: lasts {duration:g} s, less than {MIN_FRAMES} frames of {dt:g} s; give a longer one")
     return np.asarray(np.arange(int(count) + 1) * dt, dtype=float)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from models.motion.files import checked, text
+from models.files import checked, text
 from models.teachers.performance import TeacherError
 
 BONES: dict[str, int] = {

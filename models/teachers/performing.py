@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from models.motion.files import checked
+from models.files import checked
 from models.motion.trajectory import JointTrajectory
 from models.teachers import robots
 from models.teachers.anatomy import perform as show

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pinocchio as pin
 
-from models.motion.files import checked, text
+from models.files import checked, text
 from models.motion.trajectory import JointTrajectory
 from models.teachers.anatomy import perform
 from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
