@@ -179,13 +179,13 @@ def csv_cases(wave: Path) -> dict[str, tuple[str, list[str]]]:
     return {
         "a missing column": (without, ["wrist"]),
         "no time": (spoiled(wave, "time,", "clock,"), ["line 1: column 'time' is missing"]),
-        "a text cell": (spoiled(wave, cells[5][2], "much"), ["line 6, column 'elbow': 'much' is not a number"]),
+        "a text cell": (spoiled(wave, cells[5][2], "much"), ["line 6, column 'elbow': 'much' is not a finite number"]),
         "not a number": (spoiled(wave, cells[5][2], "nan"), ["line 6, column 'elbow': 'nan' is not a finite number"]),
         "backwards": (swapped, ["time does not increase from frame"]),
         "two frames": ("\n".join(lines[:3]), ["2 frames", "at least 3"]),
         "degrees": (degrees, ["joint 'elbow' is at ", "deg beyond its range", "declare that unit"]),
         "another joint": (spoiled(wave, "wrist", "wirst"), ["wirst"]),
-        "a cell too few": (spoiled(wave, "," + cells[7][3], ""), ["line 8 has 3 cells where the header has 4"]),
+        "a cell too few": (spoiled(wave, "," + cells[7][3], ""), ["line 8 has 3 cells where the first has 4"]),
         "empty": ("", ["is empty"]),
     }
 
@@ -281,7 +281,7 @@ def test_spoiled_robots(refused: Refused, arm: Path, tmp_path: Path, experiment:
         (arm.read_text().replace("</worldbody>", ""), "MuJoCo cannot compile it"),
         ('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>', "has no position actuators; add <position"),
         (arm.read_text().replace("<position name", "<motor name"), "is not a position servo"),
-        ("", "MuJoCo cannot compile it"),
+        ("", "is empty"),
     ):
         path.write_text(content)
         said = refused(experiment, "--robot", path)
@@ -290,7 +290,7 @@ def test_spoiled_robots(refused: Refused, arm: Path, tmp_path: Path, experiment:
     assert "this is a directory" in refused(experiment, "--robot", tmp_path)
     with open(path, "wb") as file:
         os.truncate(file.fileno(), 10 << 30)
-    assert "more than 67108864 are not read" in refused(experiment, "--robot", path)
+    assert "has 10,240 MB where at most 64 MB are read" in refused(experiment, "--robot", path)
 
 
 @pytest.mark.parametrize("experiment", ["gesture", "babble"])

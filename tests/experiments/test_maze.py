@@ -152,7 +152,7 @@ def test_no_wandering_is_a_uniform_model_and_said_so(tiny):
 REFUSALS = {
     "no path": (["--maze", "closed.txt"], "no path leads from the start (1, 1) to goal 1"),
     "unequal rows": (["--maze", "unequal.txt"], "line 2: 15 characters, line 1 has 16"),
-    "unknown character": (["--maze", "strange.txt"], "line 8, column 7: '%' means nothing in a maze"),
+    "unknown character": (["--maze", "strange.txt"], "line 8, column 7: '%' where a wall '|' or an opening"),
     "too large": (["--maze", "large.txt"], "201 x 1 cells; the largest maze is 200 x 200"),
     "no maze": (["--maze", "absent.txt"], "there is no such file"),
     "prior sum": (["--goal-prior", "0.5,0.5,0.5"], "sums to 1.5, not to 1"),

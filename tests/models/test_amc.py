@@ -134,7 +134,7 @@ def test_broken_files(spoil: Callable[[list[str]], list[str]], message: str, tmp
 
 def test_files_that_are_none(tmp_path: Path) -> None:
     path = tmp_path / "a.amc"
-    with pytest.raises(BodyError, match=r"a\.amc: no such file"):
+    with pytest.raises(BodyError, match=r"a\.amc: there is no such file"):
         perform(path)
     path.write_bytes(b"")
     with pytest.raises(BodyError, match=r"a\.amc: is empty"):
@@ -146,5 +146,5 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         stream.truncate(10 * 2**30)
     with pytest.raises(BodyError, match="has 10,240 MB where at most 64 MB are read"):
         perform(path)
-    with pytest.raises(BodyError, match="is a directory"):
+    with pytest.raises(BodyError, match="this is a directory"):
         perform(tmp_path)

@@ -179,8 +179,8 @@ def test_limbs_of_other_lengths_do_not_matter() -> None:
     ("name", "message"),
     [
         ("icub-wav", "unknown demonstration 'icub-wav'; there are .*; did you mean 'icub-wave'"),
-        ("nowhere/clip.amc", "nowhere/clip.amc: no such file"),
-        ("clip.bvh", "clip.bvh: no such file"),
+        ("nowhere/clip.amc", "nowhere/clip.amc: there is no such file"),
+        ("clip.bvh", "clip.bvh: there is no such file"),
     ],
 )
 def test_unknown_demonstrations(name: str, message: str) -> None:
