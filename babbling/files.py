@@ -30,7 +30,7 @@ from babbling.regression import SCALE
 from babbling.variables import Variables, letters
 
 FORMAT, VERSION = "imitation-laboratory", 2
-LARGEST_BYTES, MOST_AXES, MOST_COUNTS = 1 << 30, 8, 2.0**62
+LARGEST_BYTES, MOST_ENTRIES, MOST_AXES, MOST_COUNTS = 1 << 30, 1 << 16, 8, 2.0**62
 SEAL = b"imitation-laboratory sha256 "
 """Stands with the checksum behind the end of a file, where HDF5 does not look: some damage hangs HDF5. A file without
 it (another program wrote it anew) is held to all other checks."""
@@ -157,7 +157,7 @@ def _walk(held: Variables, hint: Any, name: str, value: Any) -> Any:
     holds, dtype, numbers = _plain(hint)
     origin, inner = get_origin(holds), get_args(holds)
     if holds is str:
-        return held.words(name, f"{name}_letters", None if value is None else [value])[0]
+        return held.words(name, None if value is None else [value], single=True)[0]
     if holds in (int, float):
         return holds(held.numbers(name, numbers, holds, value))
     if origin is np.ndarray and numbers.dims:
@@ -167,18 +167,13 @@ def _walk(held: Variables, hint: Any, name: str, value: Any) -> Any:
     if holds is ForwardModel:
         return _forward_model(held, name, numbers.dims, value)
     if origin is Mapping:
-        names = _labels(held, numbers.dims, value and tuple(value))
+        names = held.words(numbers.dims, value and tuple(value))
         return dict(zip(names, _several(held, inner[1], name, numbers.dims, value and value.values()), strict=True))
     if origin is tuple:
         return _several(held, inner[0], name, numbers.dims, value)
     path = f"{name}_" if name else ""
     fields = get_type_hints(holds, include_extras=True)
     return holds(**{f: _walk(held, hint, path + f, getattr(value, f, None)) for f, hint in fields.items()})
-
-
-def _labels(held: Variables, dim: str, value: Sequence[str] | None) -> tuple[str, ...]:
-    """Names of what lies along a dimension."""
-    return held.words(dim, f"{dim} {dim}_letters", value)
 
 
 def _several(held: Variables, one: type, name: str, dim: str, things: Any) -> tuple[Any, ...]:
@@ -190,15 +185,15 @@ def _several(held: Variables, one: type, name: str, dim: str, things: Any) -> tu
         rows = None if things is None else [np.asarray(getattr(thing, field), dtype) for thing in things]
         if not first.startswith("."):
             numbers = replace(numbers, dims=f"{dim} {numbers.dims}")
-            columns[field] = held.numbers(f"{name}_{field}", numbers, dtype, rows).tolist()
+            columns[field] = held.numbers(f"{name}_{field}", numbers, dtype, rows)[:MOST_ENTRIES].tolist()
             continue
         own = f"{name}_{first[1:]}"
         counts = None if rows is None else [len(row) for row in rows]
         ends = np.cumsum(held.numbers(f"{own}_count", Numbers(dim, low=0), np.int64, counts, sample_dimension=own))
         numbers = replace(numbers, dims=f"{own} {rest}")
         values = held.numbers(f"{name}_{field}", numbers, dtype, None if rows is None else np.concatenate(rows))
-        if not len(ends) or len(values) != ends[-1]:
-            raise BabblingError(f"{name}_{field} has {len(values)} rows; {own}_count tells of others")
+        if not 0 < len(ends) <= MOST_ENTRIES or len(values) != ends[-1]:
+            raise BabblingError(f"{own}_count tells of {len(ends)} things and other rows than {name}_{field} has")
         columns[field] = np.split(values, ends[:-1])
     return tuple(one(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
 
@@ -208,8 +203,8 @@ def _axis(held: Variables, name: str, factor: str, axis: Any) -> Axis:
     if axis is not None and axis.name != name:
         raise TypeError(f"axis {axis.name!r} is held in a field that is called {name!r}")
     if axis.is_categorical if axis is not None else f"{name}_points" not in held.file:
-        return Axis.categorical(name, _labels(held, name, axis and axis.labels), held.sizes[factor])
-    unit = held.words(f"{name}_unit", f"{name}_unit_letters", axis and [axis.unit])[0]
+        return Axis.categorical(name, held.words(name, axis and axis.labels), held.sizes[factor])
+    unit = held.words(f"{name}_unit", axis and [axis.unit], single=True)[0]
     points = held.numbers(f"{name}_points", Numbers(f"{factor} {name}", unit), np.float64, axis and axis.points)
     found = Axis(name, unit, points[:, 0], points[:, -1], points.shape[1])
     if (np.abs(points - found.points) > 1e-6 * found.step[:, None]).any():
@@ -219,8 +214,8 @@ def _axis(held: Variables, name: str, factor: str, axis: Any) -> Axis:
 
 def _forward_model(held: Variables, name: str, factor: str, model: Any) -> ForwardModel:
     """Visits and moments on their axes; for people, P(outcome | context, action) too."""
-    factors = _labels(held, factor, model and model.factors)
-    names = _labels(held, f"{name}_axes", model and [axis.name for axis in model.axes])
+    factors = held.words(factor, model and model.factors)
+    names = held.words(f"{name}_axes", model and [axis.name for axis in model.axes])
     if not 2 <= len(names) <= MOST_AXES or not all(re.fullmatch("[a-z][a-z0-9_]{0,39}", word) for word in names):
         raise BabblingError(f"{name}_axes are {', '.join(names)}; 2 to {MOST_AXES} names are needed")
     axes = [_axis(held, word, factor, model and model.axes[i]) for i, word in enumerate(names)]

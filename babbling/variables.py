@@ -11,7 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers
 
-LARGEST_UNPACKED, LARGEST_PIECE, MOST_PIECES, LONGEST_TEXT = 1 << 32, 1 << 21, 1 << 16, 1024
+LARGEST_UNPACKED, LARGEST_PIECE, LARGEST_TEXT, MOST_PIECES = 1 << 32, 1 << 21, 1 << 20, 1 << 16
 
 
 class Variables:
@@ -51,7 +51,7 @@ class Variables:
         if not isinstance(data, h5py.Dataset) or data.external or data.is_virtual or data.dtype != dtype:
             raise BabblingError(f"{name} is missing, or not of type {dtype}")
         self.bytes += int(data.nbytes)
-        if self.bytes > LARGEST_UNPACKED:
+        if self.bytes > LARGEST_UNPACKED or (dtype.kind == "S" and data.nbytes > LARGEST_TEXT):
             raise BabblingError(f"{name} unpacks to {data.nbytes} bytes; {LARGEST_UNPACKED} are read of a file")
         if data.chunks is not None:  # a packed piece that is larger than it should be is unpacked before anyone looks
             pieces: list[int] = []
@@ -103,17 +103,18 @@ class Variables:
         variable = self.file.create_variable(name, distinct, values.dtype, values, **packed)
         variable.attrs.update({"_Encoding": "utf-8"} if values.dtype.kind == "S" else {}, **told)
 
-    def words(self, name: str, dims: str, value: Sequence[str] | None = None) -> tuple[str, ...]:
-        """Short lines of text, as letters: along the first of two dimensions, or (one dimension) a single one.
+    def words(self, name: str, value: Sequence[str] | None = None, *, single: bool = False) -> tuple[str, ...]:
+        """Distinct words, as letters: names of what lies along the dimension of this name, or a `single` text.
 
         Raises:
-            BabblingError: too long, or not printable.
+            BabblingError: they are not printable, not distinct or too long.
         """
-        coded = None if value is None else letters(value).reshape((-1,) if " " not in dims else (len(value), -1))
-        rows = np.atleast_2d(self.numbers(name, Numbers(dims), "S1", coded))
+        numbers = Numbers(f"{name}_letters" if single else f"{name} {name}_letters")
+        coded = None if value is None else letters(value)
+        rows = np.atleast_2d(self.numbers(name, numbers, "S1", coded[0] if coded is not None and single else coded))
         words = tuple(row.tobytes().rstrip(b"\0").decode(errors="replace") for row in rows)
-        if not all(word.isprintable() and len(word) <= LONGEST_TEXT for word in words) or len(set(words)) < len(words):
-            raise BabblingError(f"{name} is not made of distinct lines of at most {LONGEST_TEXT} letters")
+        if not all(word.isprintable() for word in words) or len(set(words)) < len(words):
+            raise BabblingError(f"{name} is not made of distinct words that can be printed")
         return words
 
 

@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 LAZY = {"experiments.__main__", "experiments.registry"}
 """Who may import modules of the project inside a function: help must not wait for physics."""
-NUMBERS = {"numpy", "scipy", "xarray", "h5netcdf", "h5py"}
+NUMBERS = {"numpy", "scipy", "h5netcdf", "h5py"}
 MAY_IMPORT = {
     "models": NUMBERS | {"mujoco", "dm_control", "pinocchio"},
     "babbling": NUMBERS,

@@ -39,7 +39,7 @@ class Result:
 
 
 LARGEST_NOTES = 1 << 20
-LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "xarray", "rerun-sdk", "matplotlib")
+LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "h5netcdf", "rerun-sdk", "matplotlib")
 
 
 def publish(name: str, config: Options, result: Result) -> Path:

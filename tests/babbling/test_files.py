@@ -84,7 +84,7 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
         (instead("pilot_coasting", h5py.SoftLink("/temper_habit")), "pilot_coasting is missing"),
         (instead("pilot_coasting", h5py.ExternalLink("/dev/zero", "/x")), "pilot_coasting is missing"),
         (instead("forward_model_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),
-        (instead("fingerprint", np.array([b"\x1b", b"[", b"A"])), "fingerprint is not made of distinct lines"),
+        (instead("fingerprint", np.array([b"\x1b", b"[", b"A"])), "fingerprint is not made of distinct words"),
     ],
 )
 def test_spoiled_minds(file: Path, spoil: Callable[[h5py.File], None], message: str) -> None:
