@@ -16,6 +16,7 @@ from babbling.errors import BabblingError
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 UNIT = 1 << 12
 """Soft weights are integers, multiples of 1 / UNIT: their sums are exact, so counts merge exactly in any order."""
@@ -28,7 +29,7 @@ class Soft(NamedTuple):
     """(..., F) lower grid point, 0 .. size - 2 (0 where the axis has one point)."""
     weight: IntArray
     """(..., F) share of the upper grid point, 0 .. UNIT."""
-    inside: NDArray[np.bool_]
+    inside: BoolArray
     """(..., F) False where the value fell off the axis (its assignment is then the nearest end)."""
 
 

@@ -18,9 +18,8 @@ from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers, kind
@@ -92,7 +91,7 @@ class Image:
         return tuple(self.images)
 
     @property
-    def moves(self) -> NDArray[np.bool_]:
+    def moves(self) -> BoolArray:
         """(P, F) which sense moves which part, as far as its image goes."""
         return np.array([np.isin(np.arange(len(self.low)), one.joints) for one in self.images.values()])
 

@@ -8,7 +8,7 @@ from operator import mul
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.axes import UNIT, Axis, FloatArray, IntArray
+from babbling.axes import UNIT, Axis, BoolArray, FloatArray, IntArray
 
 _BITS = UNIT.bit_length() - 1
 
@@ -42,8 +42,8 @@ def count_categories(axes: Sequence[Axis], values: Sequence[NDArray[np.generic]]
 
 
 def count_softly(
-    axes: Sequence[Axis], columns: Sequence[FloatArray], happened: NDArray[np.bool_]
-) -> tuple[IntArray, NDArray[np.bool_]]:
+    axes: Sequence[Axis], columns: Sequence[FloatArray], happened: BoolArray
+) -> tuple[IntArray, BoolArray]:
     """`[axes...]` soft counts of one factor's (N,) columns, and (N,) which of them lie on all axes.
 
     Args:

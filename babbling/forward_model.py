@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from babbling.axes import Axis, FloatArray, IntArray
+from babbling.axes import Axis, BoolArray, FloatArray, IntArray
 from babbling.counting import count_categories, count_softly, weight_bits
 from babbling.errors import BabblingError
 from babbling.grids import Cells, hat_mass, located
@@ -260,7 +260,7 @@ class Rows(NamedTuple):
     cells: Cells
     """Where the (..., F) contexts lie."""
 
-    def backwards(self, outcome: ArrayLike) -> tuple[FloatArray, NDArray[np.bool_]]:
+    def backwards(self, outcome: ArrayLike) -> tuple[FloatArray, BoolArray]:
         """(..., F, A) P(outcome | context, every action) of (..., F) outcomes; (..., F) whether all lie on their axes.
 
         Soft assignment on both sides: the table is interpolated between the neighbouring contexts and outcomes.

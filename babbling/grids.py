@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
-from babbling.axes import UNIT, Axis, FloatArray, IntArray
+from babbling.axes import UNIT, Axis, BoolArray, FloatArray, IntArray
 
 
 class Cells(NamedTuple):
@@ -21,7 +21,7 @@ class Cells(NamedTuple):
     """(2 x n, ..., F) row of each corner in a table `[factor, axes...]` laid flat."""
     shares: tuple[FloatArray, ...]
     """(2, ..., F) for each measured axis: shares of its lower and upper grid point. A corner's is their product."""
-    inside: NDArray[np.bool_]
+    inside: BoolArray
     """(..., F) False where a value fell off its axis (it is then taken at the nearest end)."""
     axes: int
     """How many axes there are."""

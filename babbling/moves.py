@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.body import Body
 from babbling.errors import BabblingError
 
@@ -88,9 +88,9 @@ class Places:
         """(...) `relative_move` from one place to the other, by their numbers."""
         return relative_move(self.place(here), self.place(there))
 
-    def lawful(self, senses: FloatArray) -> NDArray[np.bool_]:
+    def lawful(self, senses: FloatArray) -> BoolArray:
         """(...) nothing is touched."""
-        free: NDArray[np.bool_] = senses[..., 2:6].max(-1) == 0
+        free: BoolArray = senses[..., 2:6].max(-1) == 0
         return free
 
 
@@ -109,7 +109,7 @@ def relative_move(before: ArrayLike, after: ArrayLike) -> IntArray:
     return move
 
 
-def overridden(table: FloatArray, touch: NDArray[np.bool_]) -> FloatArray:
+def overridden(table: FloatArray, touch: BoolArray) -> FloatArray:
     """The forward model where walls are felt: what would lead into touch stays instead.
 
     Args:

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import Axis, FloatArray, IntArray
+from babbling.axes import Axis, BoolArray, FloatArray, IntArray
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel, same_axes
 from babbling.kinds import Numbers
@@ -51,14 +50,14 @@ class Organs:
         return self.amounts.factors
 
     @property
-    def moves(self) -> NDArray[np.bool_]:
+    def moves(self) -> BoolArray:
         """(P, F) whether factor f moves part p.
 
         Two looks. The information picks clear movers; how they turn parts, and how the others do, then makes of every
         pair's acts a likelihood ratio: one clear turn outweighs several small ones.
         """
         moved, still = self._pooled(self.information >= LEAST_BITS)
-        moves: NDArray[np.bool_] = self._counts[:, :-1] @ np.log(moved / still) > 0
+        moves: BoolArray = self._counts[:, :-1] @ np.log(moved / still) > 0
         return moves
 
     def likelihood(self) -> FloatArray:
@@ -75,13 +74,13 @@ class Organs:
     def _counts(self) -> FloatArray:
         return self.amounts.counts / self.amounts.unit
 
-    def _pooled(self, moves: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    def _pooled(self, moves: BoolArray) -> tuple[FloatArray, FloatArray]:
         """P(amount | moved) and P(amount | not moved)."""
         which = self._with_nothing(moves)
         moved, still = self._counts[which].sum(0) + IMAGINED, self._counts[~which].sum(0) + IMAGINED
         return moved / moved.sum(), still / still.sum()
 
-    def _with_nothing(self, moves: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _with_nothing(self, moves: BoolArray) -> BoolArray:
         return np.concatenate([moves, np.zeros((len(moves), 1), bool)], axis=1)
 
 

@@ -14,9 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.errors import BabblingError
 
 SCALE = 1 << 15
@@ -24,7 +23,6 @@ _CHUNK = 1 << 16  # rows per exact float64 product: 2^16 rows x 2^30 < 2^53
 ROUNDING = 1e-12
 """Least ridge, relative to each feature's own square: what rounding leaves of features that say the same twice."""
 NOISE_ROUNDS = 4
-BoolArray = NDArray[np.bool_]
 
 
 class LinearFit(NamedTuple):

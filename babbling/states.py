@@ -8,9 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import Axis, FloatArray, IntArray
+from babbling.axes import Axis, BoolArray, FloatArray, IntArray
 from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, choices
@@ -38,7 +37,7 @@ class StateMap(Protocol):
     def outcome(self, here: IntArray, there: IntArray) -> IntArray:
         """(...) outcome that leads from one state to another."""
 
-    def lawful(self, senses: FloatArray) -> NDArray[np.bool_]:
+    def lawful(self, senses: FloatArray) -> BoolArray:
         """(...) whether acts that begin here do what they do elsewhere; where not, there is nothing to learn."""
 
     def name(self, number: int) -> str:

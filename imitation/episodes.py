@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from babbling.axes import IntArray
 from babbling.kinds import Numbers
 from imitation.errors import ImitationError
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

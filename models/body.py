@@ -13,12 +13,11 @@ import mujoco.batch
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.errors import BodyError
 from models.senses import Channel, Senses, sensor_channels
 from models.wear import Wear
 from models.wiring import Wiring
-
-FloatArray = NDArray[np.float64]
 
 
 class SimulatedBody:

@@ -5,12 +5,10 @@ Not the imitator's: it reads the body's own equations (MuJoCo's inverse dynamics
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from models.arrays import FloatArray
 from models.body import SimulatedBody
-
-FloatArray = NDArray[np.float64]
 
 
 def feedforward_angles(body: SimulatedBody, angles: FloatArray) -> FloatArray:

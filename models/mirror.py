@@ -6,14 +6,13 @@ motor. Whoever looks has to find out by moving which sense goes with which part.
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.robots import limbs_of
 from models.teachers.performance import unit
 
-Array = NDArray[np.float64]
 TORSO = "torso"
 
 
@@ -42,15 +41,15 @@ class Mirror:
         self._carriers = [int(body.model.joint(limbs[part].joint).bodyid[0]) for part in self.parts]
         self._axes = np.array([limbs[part].axis for part in self.parts], dtype=float)
 
-    def look(self) -> Array:
+    def look(self) -> FloatArray:
         """(B, P, 3) unit vectors of all parts of all copies as they stand now, with noise."""
         return blurred(self._shown(np.asarray(self._body.batch.qpos)), self.noise, self._rng)
 
-    def shown(self, angles: Array) -> Array:
+    def shown(self, angles: FloatArray) -> FloatArray:
         """(T, P, 3) true directions at (T, J) joint angles, for those who judge."""
         return self._shown(self._body.configurations(angles))
 
-    def _shown(self, configurations: Array) -> Array:
+    def _shown(self, configurations: FloatArray) -> FloatArray:
         data, found = self._data, np.empty((len(configurations), len(self.parts), 3))
         for row, configuration in enumerate(configurations):
             data.qpos[:] = configuration
@@ -61,7 +60,7 @@ class Mirror:
         return found
 
 
-def blurred(directions: Array, noise: float, rng: np.random.Generator) -> Array:
+def blurred(directions: FloatArray, noise: float, rng: np.random.Generator) -> FloatArray:
     """The same (..., 3) unit vectors seen with noise: unit(d + e), e ~ N(0, noise^2 I).
 
     Across the line of sight that is `noise` radians along either axis, so the mean angle off is sqrt(pi / 2) noise

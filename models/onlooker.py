@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.biclops.room import CLOTHS, FACE_PREFIX, TEACHER
 from models.robots import ROBOTS, head_of
 from models.shapes import Part, parts
 
-FloatArray = NDArray[np.float64]
 _SCENERY = ("front_wall", "back_wall", "left_wall", "right_wall", "floor")
 _UNSEEN_GROUP = 5
 

@@ -1,13 +1,11 @@
 """Some motors of a body as a body of its own: the rest holds still at home."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.body import SimulatedBody
 from models.errors import BodyError, unknown
 from models.senses import Senses
-
-FloatArray = NDArray[np.float64]
 
 
 class PartOfBody:

@@ -21,11 +21,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from models.arrays import BoolArray, FloatArray, IntArray
 from models.retina import Image, RetinaOptions, camera_id, degrade, focal_length_px
 
-FloatArray = npt.NDArray[np.float64]
 Levels = npt.NDArray[np.float32]
-BoolArray = npt.NDArray[np.bool_]
 
 BLOCK = 4  # pixels along a side; of 2, 4, 5 and 8 the quickest or nearly so at 160 x 120
 SAME_NORMAL = 0.97  # least cosine between the normals at a plain block's corners
@@ -131,7 +130,7 @@ class RayEye:
                 pixels[todo] = samples.reshape(len(SUBPIXEL), -1, 3).mean(axis=0)
         return pixels.reshape(height, width, 3)
 
-    def _rays(self, v: npt.NDArray[np.int64], u: npt.NDArray[np.int64]) -> FloatArray:
+    def _rays(self, v: IntArray, u: IntArray) -> FloatArray:
         """Directions (x right, y up, z backwards, as MuJoCo's cameras have it) of depth 1, shape (..., 3)."""
         x = (u - 0.5 * (self.options.width - 1)) / self.focal_px
         y = -(v - 0.5 * (self.options.height - 1)) / self.focal_px

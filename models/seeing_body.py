@@ -14,8 +14,8 @@ from typing import Protocol
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.biclops.profile import profile
 from models.biclops.room import TEACHER
 from models.body import SimulatedBody
@@ -25,8 +25,6 @@ from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
 from models.robots import ROBOTS, head_of
 from models.senses import Channel, Senses
-
-FloatArray = NDArray[np.float64]
 
 
 class Perceive(Protocol):

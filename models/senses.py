@@ -13,10 +13,9 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Kind = Literal[
     "angle", "speed", "image position", "area", "place", "attitude", "velocity", "touch", "force", "torque", "load",
     "gyro", "accelerometer",

@@ -4,9 +4,9 @@ from typing import Literal, NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from models.arrays import FloatArray
+
 Kind = Literal["box", "capsule", "sphere", "cylinder", "ellipsoid"]
 
 KINDS: dict[int, Kind] = {

@@ -10,10 +10,8 @@ a wiring of half the gain still reach every posture.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from models.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

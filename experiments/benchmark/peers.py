@@ -5,7 +5,6 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
 from babbling.mind import Mind
@@ -41,7 +40,7 @@ class MLPInverse:
         """See `imitation.inference.inverse.InverseModel`."""
         term = single(terms)
         x = np.concatenate([term.context[0] / self.scale[0], term.outcome / self.scale[1]], -1)
-        action: NDArray[np.float64] = self.net.predict(x).reshape(term.outcome.shape) * self.scale[2]
+        action: FloatArray = self.net.predict(x).reshape(term.outcome.shape) * self.scale[2]
         return Choice(action, None, np.zeros(action.shape, np.int8))
 
     def expect(self, context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:

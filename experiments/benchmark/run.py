@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
 from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
@@ -105,7 +104,7 @@ def best_gain(options: BodyOptions, mind: Mind, inverse: InverseModel) -> FloatA
     return best_eagerness(lambda copies: body_of(options, copies, stream=1), mind, inverse, options.seed)
 
 
-def true_inverse(body: SimulatedBody, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+def true_inverse(body: SimulatedBody, angles: FloatArray) -> FloatArray:
     """(T, J) angles reached by inverse-dynamics feedforward with the true model."""
     return replay_commands(body, angles, lambda whole: feedforward_angles(body, whole))
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray, IntArray
 from babbling.mirroring import angles_between
 from experiments.shared.mirrors import Pupil
 from imitation.correspondence.organ import identify
@@ -20,9 +20,9 @@ class Acts:
     before any try and after each, in acts whose part was identified; parts: names by number."""
 
     parts: tuple[str, ...]
-    truth: NDArray[np.int64]
-    said: NDArray[np.int64]
-    errors_deg: NDArray[np.float64]
+    truth: IntArray
+    said: IntArray
+    errors_deg: FloatArray
 
     @property
     def rate(self) -> float:
@@ -48,7 +48,7 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
         if organ.part == truth[-1]:
             wanted = shown[-1, organ.part]
 
-            def look(posture: NDArray[np.float64], which: int = organ.part) -> NDArray[np.float64]:
+            def look(posture: FloatArray, which: int = organ.part) -> FloatArray:
                 return pupil.look(mirror.shown(pupil.angles(posture[None]))[0, which], rng)
 
             eye = calm.look(wanted, rng)  # it holds still at the end: ten frames make one good look

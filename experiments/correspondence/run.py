@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.errors import BabblingError
 from babbling.files import load, save
 from babbling.mind import Mind
@@ -87,7 +87,7 @@ def blur(experience: MirrorExperience, config: Config) -> MirrorExperience:
 
 def learning_curve(
     config: Config, options: BodyOptions, row: Row, looks: list[tuple[Pupil, MirrorExperience]]
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """(K, 3) minutes, and error on the shown demonstration with clean and noisy eyes; NaN where organs stay unknown."""
     points: list[list[float]] = []
     for minutes in config.mirror_minutes * 0.5 ** np.arange(CURVE_POINTS)[::-1]:

@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import BoolArray, FloatArray
 from experiments.gaze.trials import Follower, Trials, located
 from imitation.gaze.reader import Preferences
-
-FloatArray = NDArray[np.float64]
 
 
 class Judged(NamedTuple):
@@ -16,7 +14,7 @@ class Judged(NamedTuple):
 
     probability: FloatArray
     """(N, G) P(g); zero for what was not seen."""
-    right: NDArray[np.bool_]
+    right: BoolArray
     """(N,) whether the most probable toy was the one looked at."""
     confidence: FloatArray
     """(N,) its probability."""

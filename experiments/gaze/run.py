@@ -4,8 +4,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.files import load, save
 from babbling.looking import LookingMind
 from experiments.errors import ExperimentError
@@ -35,8 +35,6 @@ from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.robots import head_of
 from models.seeing_body import head_fingerprint
-
-FloatArray = NDArray[np.float64]
 
 LESSONS = 400
 SHOWN_TRIALS = 80

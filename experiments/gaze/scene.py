@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from experiments.gaze.trials import TOYS, Follower, table_body, toys_seen
 from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
@@ -16,8 +16,6 @@ from models.biclops.room import wear_cloth
 from models.heads import PARKED
 from models.onlooker import Onlooked, onlook
 from models.retina import Image
-
-FloatArray = NDArray[np.float64]
 
 FRAME_S = 0.04
 REST_S, STAY_S, LOOK_S = 0.6, 0.7, 1.4

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.looking import LookingMind
 from experiments.shared.caregiver import EYES, FACE, TURN_S, face_numbers, mirrored
 from experiments.shared.eyes import open_eyes, retina_of
@@ -21,8 +21,6 @@ from models.biclops.room import Ball, wear_cloth
 from models.heads import CARD, PARKED, camera_facts
 from models.retina import Image
 from models.seeing_body import SeeingBody, still
-
-FloatArray = NDArray[np.float64]
 
 TOYS = ("orange", "lime", "cyan", "violet")
 """Colours that no part of a face has."""
@@ -67,7 +65,7 @@ class Trials(NamedTuple):
 
     places: FloatArray
     """(N, G, 3) true, m, in the table's frame."""
-    target: NDArray[np.int64]
+    target: IntArray
     """(N,) which toy the teacher looks at."""
     angles: FloatArray
     """(N, 2) true pose of the teacher's head."""
@@ -77,7 +75,7 @@ class Trials(NamedTuple):
     """(N, G) contrast times root of area, as seen; a floor for what was not."""
     pose: FloatArray
     """(N, 2) estimated pose of the head; NaN where the face told too little."""
-    eyes_seen: NDArray[np.bool_]
+    eyes_seen: BoolArray
     """(N,) whether an eye of the teacher's was made out."""
     tilt: FloatArray
     """(N,) felt tilt of one's own neck."""
@@ -124,7 +122,7 @@ def run_trials(
     apart_deg: tuple[float, float] = (15.0, 180.0),
     preference: tuple[float, ...] | None = None,
     cloth: str | None = None,
-    follow: Callable[[Trials], NDArray[np.int64]] | None = None,
+    follow: Callable[[Trials], IntArray] | None = None,
     report: Callable[[float], None] = lambda done: None,
 ) -> Trials:
     """So many trials, `body.copies` at a time; see `Trials`. `preference` is the teacher's own, over `toys`.
@@ -168,7 +166,7 @@ def run_trials(
 def _look(
     body: SeeingBody,
     mind: LookingMind,
-    chosen: NDArray[np.int64],
+    chosen: IntArray,
     toys: tuple[str, ...],
     senses: FloatArray,
     rng: np.random.Generator,

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from experiments.shared.minds import Learned
 from experiments.shared.watching import Seen
 from imitation.acting.loop import Attempt
@@ -22,12 +23,12 @@ class Performed:
     seen: Seen
     learned: Learned
     attempts: list[Attempt]
-    replayed: NDArray[np.float64]
+    replayed: FloatArray
     metrics: dict[str, Any]
     summary: str
 
     @property
-    def imitated(self) -> NDArray[np.float64]:
+    def imitated(self) -> FloatArray:
         """(T, J) true joint angles of the last attempt."""
         return self.attempts[-1].truth[:, 0]
 

@@ -4,8 +4,8 @@ import sys
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
@@ -76,7 +76,7 @@ def measure(
     learned: Learned,
     attempts: list[Attempt],
     peer: Attempt,
-    replayed: NDArray[np.float64],
+    replayed: FloatArray,
 ) -> dict[str, Any]:
     """The numbers of metrics.json."""
     last = attempts[-1]

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import bootstrap
 
+from babbling.axes import FloatArray
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import PLAIN, THEIRS
@@ -21,8 +21,6 @@ from models.biclops.movements import TICK_S
 from models.biclops.room import FACE_PREFIX, TEACHER, Ball
 from models.robots import EYE_HEIGHT
 from models.seeing_body import SeeingBody
-
-FloatArray = NDArray[np.float64]
 
 PARTS = ("nose", "left_eye", "right_eye", "left_ear", "right_ear")
 """Parts of a face, in the order of `FACE`."""

@@ -3,9 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from experiments.head.distractor import INKS as WAYS
 from experiments.head.distractor import Crossed
 from experiments.head.found import Found, Imitation
@@ -89,7 +88,7 @@ def distractor(crossed: Crossed) -> Figure:
     return figure
 
 
-def _hide(axes: Axes, time: FloatArray, hidden: NDArray[np.bool_]) -> None:
+def _hide(axes: Axes, time: FloatArray, hidden: BoolArray) -> None:
     """Shade what a card hid."""
     if hidden.any():
         axes.axvspan(time[hidden][0], time[hidden][-1], color="#f3e2c7", lw=0)

@@ -2,10 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from babbling.mind import Mind
 from experiments.head.distractor import Crossed
 from experiments.head.options import Config
@@ -23,7 +20,7 @@ class Imitation(NamedTuple):
     """(T, 2) what it did, NaN between frames."""
     numbers: FloatArray
     """(T, M)"""
-    hidden: NDArray[np.bool_]
+    hidden: BoolArray
     """(T,)"""
     watched: Watched
     imitated: FloatArray

@@ -9,8 +9,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.files import load, save
 from babbling.mind import Mind
 from experiments.shared.fresh_process import RESULT, in_new_process
@@ -18,8 +18,6 @@ from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
 from imitation.deferred import HeadMemory
 from models.seeing_body import head_fingerprint, watching_body
-
-FloatArray = NDArray[np.float64]
 
 
 def reproduce(memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int) -> FloatArray:

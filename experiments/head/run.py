@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.files import save
 from babbling.mind import Mind, learn
 from experiments.head.alone import from_memory, nobody
@@ -36,8 +37,6 @@ from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Watched, watch
 from models.biclops.movements import TICK_S, movement
 from models.seeing_body import head_fingerprint, watching_body
-
-FloatArray = NDArray[np.float64]
 
 STUDY_SEQUENCES = 20
 MIND_COPIES = 32

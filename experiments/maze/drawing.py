@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from models.maze import Maze
 
 GOAL_SHADES = ("white", "0.62", "0.25", "0.8", "0.45", "0.1", "0.7", "0.35", "0.9")
@@ -96,7 +95,7 @@ def _separated(walk: IntArray) -> FloatArray:
     return shifted
 
 
-def _runs(row: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(row: BoolArray) -> list[tuple[int, int]]:
     edges = np.diff(np.concatenate([[0], row.astype(int), [0]]))
     return list(zip(np.flatnonzero(edges == 1).tolist(), np.flatnonzero(edges == -1).tolist(), strict=True))
 

@@ -11,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.loop import explore, flat
 from babbling.moves import Places
 from experiments.maze.mind import wanderer
@@ -73,9 +72,7 @@ def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 
     return to_go
 
 
-def arrivals(
-    maze: Maze, goal: int, policy: IntArray, limit: int, seed: tuple[int, ...], episodes: int
-) -> NDArray[np.bool_]:
+def arrivals(maze: Maze, goal: int, policy: IntArray, limit: int, seed: tuple[int, ...], episodes: int) -> BoolArray:
     """(R, episodes) whether (R, S) policies reach the goal cell from the start within the limit."""
     walkers = len(policy) * episodes
     body = MazeBody(maze, copies=walkers, seed=seed)
@@ -109,7 +106,7 @@ class Walls:
         self._felt = np.zeros((walkers, maze.cells, 5), bool)
         self._walker = np.arange(walkers)
 
-    def feel(self, cells: IntArray, touch: NDArray[np.bool_]) -> None:
+    def feel(self, cells: IntArray, touch: BoolArray) -> None:
         """(..., R) cells and (..., R, 4) what touch said there."""
         self._felt[np.broadcast_to(self._walker, cells.shape), cells, :4] = touch
 

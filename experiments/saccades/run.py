@@ -4,7 +4,6 @@ import time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babbling.files import save
 from babbling.looking import LookingMind
@@ -31,8 +30,6 @@ from experiments.shared.tables import table
 from imitation.gaze.fixation import Fixation, Saccade
 from models.onlooker import onlook
 from models.robots import head_of
-
-FloatArray = NDArray[np.float64]
 
 ONCE_PX, TWICE_PX = 1.5, 1.5
 """Pixels from the middle within which a thing counts as fixated after one saccade, after two."""

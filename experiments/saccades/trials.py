@@ -5,16 +5,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import BoolArray, FloatArray
 from babbling.looking import LookingMind, saccades
 from babbling.loop import explore, flat
 from babbling.reading import Transitions
 from babbling.regression import regress
 from imitation.gaze.fixation import Fixation
 from models.seeing_body import SeeingBody
-
-FloatArray = NDArray[np.float64]
 
 CENTRAL = 0.8
 """Share of the field, along each side, in which things are to be fixated."""
@@ -142,7 +140,7 @@ def fixate(
     return Fixated(np.concatenate(starts), np.concatenate(errors[0::2]), np.concatenate(errors[1::2]), uninformed)
 
 
-def within_reach(mind: LookingMind, things: FloatArray, posture: FloatArray) -> NDArray[np.bool_]:
+def within_reach(mind: LookingMind, things: FloatArray, posture: FloatArray) -> BoolArray:
     """(K,) whether a thing can be looked at at all: the saccade there ends at a posture within reach."""
     per_px = 1.0 / mind.pilot.line[[0, 5], 0]
     goal = posture - np.nan_to_num(things[:, :2]) * per_px

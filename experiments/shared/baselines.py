@@ -3,22 +3,22 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from imitation.acting.movement import approach
 from models.body import SimulatedBody
 
 
-def direct_replay(body: SimulatedBody, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+def direct_replay(body: SimulatedBody, angles: FloatArray) -> FloatArray:
     """(T, J) joint angles reached when the next demonstrated angles (T, J) are commanded at every tick."""
     return replay_commands(body, angles, lambda whole: np.concatenate([whole[1:], 2 * whole[-1:] - whole[-2:-1]]))
 
 
 def replay_commands(
     body: SimulatedBody,
-    angles: NDArray[np.float64],
-    commands_for: Callable[[NDArray[np.float64]], NDArray[np.float64]],
-) -> NDArray[np.float64]:
+    angles: FloatArray,
+    commands_for: Callable[[FloatArray], FloatArray],
+) -> FloatArray:
     """(T, J) joint angles reached by commands computed beforehand, without looking.
 
     It is told the wiring, and comes into the movement by the same approach as the imitator; `commands_for` sees the

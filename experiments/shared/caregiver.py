@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import BoolArray, FloatArray, IntArray
 from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Measurer
@@ -16,8 +16,6 @@ from models.heads import CARD, PARKED
 from models.retina import Image
 from models.robots import EYE_HEIGHT
 from models.seeing_body import SeeingBody, still
-
-FloatArray = NDArray[np.float64]
 
 FACE = ("red", "blue", "green", "yellow", "magenta")
 """Colours of nose, left eye, right eye, left ear, right ear."""
@@ -38,7 +36,7 @@ SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0)
 """Where to look for a face when there is none where one happens to look."""
 
 
-def group() -> NDArray[np.int64]:
+def group() -> IntArray:
     """(M,) which sighting (feature and eye) each number belongs to."""
     return np.repeat(np.arange(2 * len(FACE)), NUMBERS)
 
@@ -127,7 +125,7 @@ class Sequences(NamedTuple):
     """(T, B, 2) the teacher's true angles; NaN on ticks without an image."""
     images: list[tuple[Image, Image]]
     """Copy 0's, one for each frame."""
-    hidden: NDArray[np.bool_]
+    hidden: BoolArray
     """(T, B) whether the card was there."""
 
 

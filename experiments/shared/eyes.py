@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel
 from babbling.looking import LookingMind, LookingPilot, Reach, pilot_looking
 from babbling.loop import BOUT_TICKS, babble
@@ -19,8 +19,6 @@ from models.heads import clear_away, stage
 from models.retina import RetinaOptions
 from models.robots import EYE_HEIGHT, head_of
 from models.seeing_body import Perceive, SeeingBody
-
-FloatArray = NDArray[np.float64]
 
 TOYS = tuple(COLOURS)
 """Toys hang about the head, one of each colour."""

@@ -8,13 +8,12 @@ import rerun as rr
 from numpy.typing import NDArray
 from PIL import Image as Picture
 
+from babbling.axes import FloatArray
 from experiments.shared.palette import DEMONSTRATED, EXPECTED, FOUND, IMITATED, Light
 from experiments.shared.recording import log_body, log_series, ticks
 from experiments.shared.views import AXES, EYES
 from models.biclops.room import Ball
 from models.onlooker import Onlooked
-
-FloatArray = NDArray[np.float64]
 
 
 def log_eyes(

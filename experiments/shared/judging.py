@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import binomtest
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ def interval_95(hits: int, count: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-def calibration_error(confidence: FloatArray, right: NDArray[np.bool_], bins: int = 10) -> tuple[float, FloatArray]:
+def calibration_error(confidence: FloatArray, right: BoolArray, bins: int = 10) -> tuple[float, FloatArray]:
     """Expected calibration error sum_b n_b/N |accuracy_b - confidence_b|, and (bins, 3) confidence, accuracy, count."""
     index = np.minimum((confidence * bins).astype(int), bins - 1)
     rows = np.zeros((bins, 3))

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from babbling.files import load, save
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
@@ -81,7 +81,7 @@ class HeldOut:
         line = model.linear().predict(self.rate, self.action)[..., 0]
         self.points.append((minutes, self._error(table), self._error(line)))
 
-    def _error(self, predicted: NDArray[np.float64]) -> float:
+    def _error(self, predicted: FloatArray) -> float:
         return float(np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))))
 
     def curve(self) -> LearningCurve:

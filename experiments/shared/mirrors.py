@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import BodyImage, learn_image
 from babbling.files import load
 from babbling.mirroring import MirrorExperience, mirror_babble
@@ -26,7 +26,6 @@ from models.mirror import Mirror, blurred
 from models.teachers.performance import Performance
 
 COPIES = 64
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -86,7 +85,7 @@ class Pupil:
         self,
         performance: Performance,
         rng: np.random.Generator,
-        hidden: Mapping[str, NDArray[np.bool_]] | None = None,
+        hidden: Mapping[str, BoolArray] | None = None,
     ) -> Retargeted:
         """See a teacher, with parts `hidden` (T,) now and then, and find one's own postures for it."""
         body, image = self.body, self.image

@@ -9,9 +9,9 @@ from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import LIBRARY, Image, PartImage
 from babbling.mirroring import angles_between
 from imitation.correspondence.correspondence import Corresponded, correspond
@@ -21,7 +21,6 @@ from models.hoap2.limbs import SEGMENTS
 from models.motion.trajectory import frame_times
 from models.teachers.performance import Performance, unit
 
-FloatArray = NDArray[np.float64]
 REST = np.deg2rad([90.0 * joint.endswith("arm_joint_1") for joint in JOINTS])
 """Where joints stay that nothing seen decides: arms hanging, all else at zero."""
 SPEED = np.array([SPEED_LIMIT[joint_class(joint)] for joint in JOINTS])
@@ -56,7 +55,7 @@ class Retargeted:
         """(T - 1, J) of the sub-goals, rad/s."""
         return np.asarray(np.abs(np.diff(self.angles, axis=0)) / tick_s)
 
-    def mean_error_deg(self, where: NDArray[np.bool_]) -> float:
+    def mean_error_deg(self, where: BoolArray) -> float:
         """Mean over the parts and frames (T, P) named; 0 for none."""
         values = self.error_deg[where]
         return float(values.mean()) if len(values) else 0.0

@@ -17,9 +17,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from models.shapes import Part, Shape
-
-FloatArray = NDArray[np.float64]
 
 
 @contextmanager

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from babbling.axes import FloatArray
 from experiments.shared.oracle import Retargeted, retarget
 from imitation.acting.movement import Movement
 from models.body import SimulatedBody
@@ -25,7 +25,7 @@ class Seen:
     """What was watched, for the imitator (`movement`) and for those who judge (all else)."""
 
     movement: Movement
-    angles: NDArray[np.float64]
+    angles: FloatArray
     """(T, J) demonstrated joint angles in the body's own order, rad."""
     performance: Performance | None
     """The teacher as it was seen; None when joint angles were given directly."""

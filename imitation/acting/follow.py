@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.body import Body
 from babbling.forward_model import ForwardModel
 from babbling.grids import located
@@ -30,7 +30,7 @@ class Way(NamedTuple):
     """(B,) state; the goal from arrival on."""
     came_from: IntArray
     """(B, S) the state from which each was first entered, -1 where never: such ways back cannot form a circle."""
-    arrived: NDArray[np.bool_]
+    arrived: BoolArray
     """(B,)."""
 
 
@@ -47,11 +47,11 @@ class Decisions(NamedTuple):
     """Of that posterior, bits."""
     evidence: FloatArray
     """P(sub-goal | state, goal), the 1/c of Eq. (1)."""
-    forward_alone: NDArray[np.bool_]
+    forward_alone: BoolArray
     """Eq. (1) was 0/0 and the forward model alone decided."""
-    chance: NDArray[np.bool_]
+    chance: BoolArray
     """The forward model was 0/0 as well and chance decided."""
-    backtracking: NDArray[np.bool_]
+    backtracking: BoolArray
     """The sub-goal was the state one came from."""
 
 
@@ -68,7 +68,7 @@ class Journey:
     """(T, B, ...)."""
     steps: IntArray
     """(B,) steps to the goal, or the limit where it was not reached."""
-    reached: NDArray[np.bool_]
+    reached: BoolArray
     """(B,) whether the goal was reached within the limit."""
     ended: str | None = None
     """Why it ended early, if it did."""
@@ -179,7 +179,7 @@ def follow(
     if limit < 1:
         raise ImitationError(f"a limit of {limit} steps; at least 1 is needed")
     senses = body.reset()
-    state, ways, log = follower.start(senses), list[tuple[IntArray, NDArray[np.bool_]]](), list[Decisions]()
+    state, ways, log = follower.start(senses), list[tuple[IntArray, BoolArray]](), list[Decisions]()
     while True:
         why = ended(senses)
         state, motors, decided = follower.step(state, senses, rng)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from babbling.body import Body
 from babbling.mind import Mind
 from imitation.acting.attempts import Practice
@@ -58,7 +58,7 @@ class Info:
     """(B, F) bits; (B, 0) without beliefs."""
     familiarity: FloatArray
     """(B, F) visits that the chosen action's row had while babbling (0: never tried here)."""
-    uninformed: NDArray[np.bool_]
+    uninformed: BoolArray
     """(B, F) where the fallback acted."""
     select_s: FloatArray
     """() wall time of one selection for all factors and copies."""

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import Image
 from babbling.mirroring import angles_between
 from imitation.correspondence.inversion import Chosen, LimbView, choose
@@ -44,7 +43,7 @@ class Corresponded:
     parts: tuple[str, ...]
     wanted: FloatArray
     predicted: FloatArray
-    reachable: NDArray[np.bool_]
+    reachable: BoolArray
     noise: FloatArray
     chosen: Mapping[tuple[str, ...], Chosen]
     ignored: tuple[str, ...]
@@ -57,7 +56,7 @@ def correspond(
     seen: Mapping[str, FloatArray],
     tick_s: float,
     speed: FloatArray,
-    visible: Mapping[str, NDArray[np.bool_]] | None = None,
+    visible: Mapping[str, BoolArray] | None = None,
 ) -> Corresponded:
     """Postures of one's own for a movement.
 

@@ -12,9 +12,8 @@ range of the senses. The most probable path through the candidates (Viterbi 1967
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.body_image import Image
 from imitation.correspondence.limbs import OwnLimb
 from imitation.inference.bayes import action_posterior
@@ -36,7 +35,7 @@ class Chosen(NamedTuple):
 
     posterior: FloatArray
     entropy: FloatArray
-    informed: NDArray[np.bool_]
+    informed: BoolArray
     angles: FloatArray
 
 
@@ -89,7 +88,7 @@ def choose(view: LimbView, wanted: FloatArray, weights: FloatArray, doubt: Float
 
 def _library(
     view: LimbView, wanted: FloatArray, weights: FloatArray
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], FloatArray]:
+) -> tuple[FloatArray, FloatArray, BoolArray, FloatArray]:
     """Eq. (1) over the library's postures, frame after frame; the prior is carried on from the frame before."""
     cells = np.clip(view.image.library[:, view.factors], view.low, view.high)
     at_rest = np.tile(view.base.mean(0), (len(cells), 1))

@@ -9,9 +9,8 @@ wrong everything beyond it inherits.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import IntArray
+from babbling.axes import BoolArray, IntArray
 
 TOLERANCE_DEG = (0.2, 0.9, 6.0)
 """How far a part is expected to miss because bodies differ, from the torso outwards; the last also for all beyond."""
@@ -27,7 +26,7 @@ class OwnLimb:
     factors: IntArray
 
 
-def own_limbs(moves: NDArray[np.bool_]) -> tuple[OwnLimb, ...]:
+def own_limbs(moves: BoolArray) -> tuple[OwnLimb, ...]:
     """Limbs in the order in which they are decided, from (P, F) which factor moves which part."""
     sets = [frozenset(np.flatnonzero(row).tolist()) for row in moves]
     shared = {

@@ -11,9 +11,8 @@ but no part nearer the torso (the elbow for the forearm; the shoulder, which mov
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.organs import Organs, categories, turned
 from imitation.inference.bayes import action_posterior
 
@@ -33,7 +32,7 @@ class Organ(NamedTuple):
     amounts: FloatArray
 
 
-def owners(moves: NDArray[np.bool_]) -> IntArray:
+def owners(moves: BoolArray) -> IntArray:
     """(F,) the part each factor belongs to: of those it moves the one that fewest factors move; -1 for none."""
     sizes = np.where(moves, moves.sum(1, keepdims=True), np.inf)
     nearest: IntArray = np.where(moves.any(0), sizes.argmin(0), -1)

@@ -12,11 +12,10 @@ limit holds, and what is left is cut. Gauss-Newton on a banded system.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 from scipy.ndimage import binary_dilation
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from imitation.correspondence.inversion import LimbView
 from imitation.correspondence.steadying import third_gram
 
@@ -36,7 +35,7 @@ def smooth_path(
     view: LimbView,
     start: FloatArray,
     weights: FloatArray,
-    holding: NDArray[np.bool_],
+    holding: BoolArray,
     doubt: FloatArray,
     speed: FloatArray,
     tick_s: float,
@@ -122,7 +121,7 @@ def _excess(angles: FloatArray, limit: FloatArray) -> FloatArray:
     return beyond
 
 
-def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: NDArray[np.bool_]) -> FloatArray:
+def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: BoolArray) -> FloatArray:
     """The Gauss-Newton matrix, lower banded; rows and columns of held angles are the identity's."""
     count, size = held.shape
     bands = np.zeros((3 * size + 1, count, size))

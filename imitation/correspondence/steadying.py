@@ -13,10 +13,9 @@ noisy they are. Frames in which a part was hidden carry no weight and are bridge
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from imitation.errors import ImitationError
 
 ORDER = 3
@@ -40,7 +39,7 @@ class Steady(NamedTuple):
     trust: FloatArray
 
 
-def steady(name: str, seen: FloatArray, visible: NDArray[np.bool_]) -> Steady:
+def steady(name: str, seen: FloatArray, visible: BoolArray) -> Steady:
     """Smooth (T, 3) directions of which only `visible` (T,) ones count.
 
     Raises:
@@ -94,7 +93,7 @@ def third_gram(count: int) -> FloatArray:
     return bands
 
 
-def _trust(visible: NDArray[np.bool_]) -> FloatArray:
+def _trust(visible: BoolArray) -> FloatArray:
     """1 where seen, falling off with the distance in frames to the nearest frame in which it was."""
     frames = np.arange(len(visible))
     at = frames[visible]

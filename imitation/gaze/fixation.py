@@ -8,9 +8,8 @@ to the sub-goal, then, from where the thing is then expected, motor 1 for v.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import Axis, FloatArray
+from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.grids import located
 from babbling.looking import LookingMind
 from imitation.inference.bayes import Posterior, action_posterior
@@ -29,7 +28,7 @@ class Saccade(NamedTuple):
     """Of motor 0 and motor 1, (N, A) over their candidates."""
     expected: FloatArray
     """(N, C) where the thing is expected afterwards, pixels from the middle."""
-    uninformed: NDArray[np.bool_]
+    uninformed: BoolArray
     """(N,) where Eq. (1) was 0/0 for a motor and the efference copy acted instead."""
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from imitation.errors import ImitationError
 
 
@@ -25,7 +25,7 @@ class Posterior:
     evidence: FloatArray
     """(...) the normaliser: P(s_{t+1} | s_t, s_G) = sum_m P(s_{t+1} | s_t, A_m) P(A_m | s_t, s_G), the 1/c of Eq. (1),
     or 1/k_3 of Eq. (2)."""
-    informed: NDArray[np.bool_]
+    informed: BoolArray
     """(...) False where the evidence is zero."""
 
     @cached_property

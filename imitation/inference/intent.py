@@ -13,9 +13,8 @@ P(a_t | g, s_t) (`step_evidence`).
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from imitation.errors import ImitationError
 from imitation.inference.bayes import entropy, goal_posterior, unobserved_action
 
@@ -27,7 +26,7 @@ class Intent(NamedTuple):
     """(T, G) P(g) after each step; rows sum to 1."""
     entropy: FloatArray
     """(T,) bits."""
-    informed: NDArray[np.bool_]
+    informed: BoolArray
     """(T,) False where a step was 0/0 under every goal: the belief was then left as it was."""
 
     @property

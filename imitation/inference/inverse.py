@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.axes import Axis, FloatArray
+from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.forward_model import ForwardModel, Rows
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, joint_likelihood
@@ -50,7 +50,7 @@ class Choice(NamedTuple):
     """(B, F) the `Rung` of the ladder that decided."""
 
     @property
-    def uninformed(self) -> NDArray[np.bool_]:
+    def uninformed(self) -> BoolArray:
         """(B, F) where a fallback acted."""
         return np.not_equal(self.rung, Rung.INVERSE)
 

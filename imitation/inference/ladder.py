@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, action_posterior
 
@@ -61,7 +61,7 @@ def check_ladder(ladder: Sequence[Rung]) -> tuple[Rung, ...]:
 
 
 def descend(
-    likelihood: FloatArray, prior: ArrayLike | None, ladder: Sequence[Rung], beyond: NDArray[np.bool_] | bool = False
+    likelihood: FloatArray, prior: ArrayLike | None, ladder: Sequence[Rung], beyond: BoolArray | bool = False
 ) -> Decision:
     """Eq. (1) and, where it is 0/0, the next rung that can decide.
 

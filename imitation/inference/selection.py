@@ -7,9 +7,8 @@ error. On a categorical axis they return a category number; on a measured axis a
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import Axis, FloatArray
+from babbling.axes import Axis, FloatArray, IntArray
 from babbling.errors import unknown
 from imitation.errors import ImitationError
 
@@ -66,10 +65,10 @@ def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generato
     return action
 
 
-def _argmax(probability: FloatArray, rng: np.random.Generator) -> NDArray[np.int64]:
+def _argmax(probability: FloatArray, rng: np.random.Generator) -> IntArray:
     ties = probability >= probability.max(-1, keepdims=True)
     tied = (ties.sum(-1) > 1).any()  # the generator is asked only where it decides
-    best: NDArray[np.int64] = (np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1)
+    best: IntArray = (np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1)
     return best
 
 

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from babbling.axes import BoolArray, FloatArray
 from imitation.errors import ImitationError
 
-FloatArray = npt.NDArray[np.float64]
 Colour = tuple[float, float, float]
 
 LEAST_COLOUR = 40.0  # opponent length in levels (of 255): eight standard deviations of 2 % pixel noise
@@ -140,7 +140,7 @@ def _hues(palette: Mapping[str, Colour]) -> FloatArray:
     return unit
 
 
-def _things(mask: npt.NDArray[np.bool_]) -> Iterator[tuple[npt.NDArray[np.bool_], int, int]]:
+def _things(mask: BoolArray) -> Iterator[tuple[BoolArray, int, int]]:
     """Connected parts of a mask, each as a mask in a window with some ground around it and that window's top, left."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     height, width = mask.shape
@@ -155,7 +155,7 @@ def _things(mask: npt.NDArray[np.bool_]) -> Iterator[tuple[npt.NDArray[np.bool_]
         yield window, int(high), int(low)
 
 
-def _on_border(mask: npt.NDArray[np.bool_], window: tuple[slice, slice], image: npt.NDArray[np.uint8]) -> bool:
+def _on_border(mask: BoolArray, window: tuple[slice, slice], image: npt.NDArray[np.uint8]) -> bool:
     """Whether a thing reaches the border of the image."""
     down, across = window
     return bool(
@@ -167,7 +167,7 @@ def _on_border(mask: npt.NDArray[np.bool_], window: tuple[slice, slice], image: 
 
 
 def _measure(
-    image: npt.NDArray[np.uint8], hue: FloatArray, mask: npt.NDArray[np.bool_], others: npt.NDArray[np.bool_]
+    image: npt.NDArray[np.uint8], hue: FloatArray, mask: BoolArray, others: BoolArray
 ) -> tuple[float, float, float, float] | None:
     """Centroid u, v in the window, area and contrast of the thing `mask`; None for what is no thing after all.
 

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.regression import regress
 from imitation.errors import ImitationError
 from imitation.filters.kalman import Belief, Filtered, System, constant_velocity, predict, smooth, update
@@ -30,7 +29,6 @@ GATE = 12.0
 LEAST_NUMBERS = 4
 """Numbers needed for a pose from one frame alone."""
 ROUNDS = 8
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +45,11 @@ class Appearance:
     """(2,) least angles of the lessons, rad."""
     high: FloatArray
     """(2,) greatest angles of the lessons, rad."""
-    group: NDArray[np.int64]
+    group: IntArray
     """(M,) which feature each number belongs to: one that fails takes the others of its feature with it."""
 
     @classmethod
-    def learned(cls, postures: FloatArray, numbers: FloatArray, group: NDArray[np.int64]) -> "Appearance":
+    def learned(cls, postures: FloatArray, numbers: FloatArray, group: IntArray) -> "Appearance":
         """From (N, 2) own postures and the (N, M) numbers seen when they were mirrored; NaN unseen.
 
         Raises:
@@ -94,7 +92,7 @@ class Watched(NamedTuple):
     """(T, 2) knowing the past only (filtered)."""
     raw: FloatArray
     """(T, 2) of each frame by itself; the last one is held where nothing can be made out."""
-    used: NDArray[np.int64]
+    used: IntArray
     """(T,) numbers that the filter used."""
 
 

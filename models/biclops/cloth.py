@@ -1,8 +1,8 @@
 """What one sees with a cloth before one's own eyes."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.errors import BodyError
 from models.retina import Image
 
@@ -21,6 +21,6 @@ def through_cloth(image: Image, kind: str, noise: float, rng: np.random.Generato
     if kind not in TRANSMISSION:
         raise BodyError(f"unknown cloth {kind!r}; there are {', '.join(TRANSMISSION)}")
     share = TRANSMISSION[kind]
-    mixed: NDArray[np.float64] = share * image + (1.0 - share) * np.array(CLOTH_LEVELS)
+    mixed: FloatArray = share * image + (1.0 - share) * np.array(CLOTH_LEVELS)
     mixed = mixed + 255.0 * noise * np.sqrt(1.0 - share**2) * rng.standard_normal(image.shape)
     return np.clip(np.rint(mixed), 0, 255).astype(np.uint8)

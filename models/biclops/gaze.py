@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import BoolArray, FloatArray
 from models.biclops.facts import CAMERA_HEIGHT, PAN_HEIGHT
 from models.errors import BodyError
-
-FloatArray = NDArray[np.float64]
 
 BALL_RADIUS = 0.022
 """m, of toys on the table."""
@@ -49,7 +47,7 @@ class View(NamedTuple):
     half_baseline: float
     """m"""
 
-    def shows(self, place: FloatArray) -> NDArray[np.bool_]:
+    def shows(self, place: FloatArray) -> BoolArray:
         """(...) whether (..., 3) places of the table's frame are well inside both eyes' images."""
         x, y, z = place[..., 0], place[..., 1], place[..., 2] - PAN_HEIGHT - CAMERA_HEIGHT
         depth = x * np.cos(self.tilt) - z * np.sin(self.tilt)
@@ -81,7 +79,7 @@ def lay_out(
     raise BodyError(f"no room on the table for {count} toys {apart_deg[0]:g} degrees apart; fewer, or closer")
 
 
-def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> NDArray[np.bool_]:
+def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> BoolArray:
     """(...) whether both heads can look at all of (..., G, 3) toys, and they lie as far apart as asked."""
     turn = np.rad2deg(np.abs(look_at(places, distance)[..., 0]))
     fit = (view.shows(places) & (turn <= WIDEST_DEG)).all(-1)

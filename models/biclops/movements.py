@@ -7,12 +7,10 @@ from collections.abc import Callable
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.biclops.facts import MAX_ACCELERATION_DEG_S2
 from models.errors import BodyError, unknown
-
-FloatArray = NDArray[np.float64]
 
 TICK_S = 0.02
 SHARE = 0.75

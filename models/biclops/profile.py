@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from models.arrays import FloatArray
 
 
 def profile(
@@ -33,9 +33,7 @@ def profile(
     return position + new_velocity * dt, new_velocity
 
 
-def move_time(
-    distance: npt.ArrayLike, max_speed: npt.ArrayLike, max_acceleration: npt.ArrayLike
-) -> npt.NDArray[np.float64]:
+def move_time(distance: npt.ArrayLike, max_speed: npt.ArrayLike, max_acceleration: npt.ArrayLike) -> FloatArray:
     """Seconds a move from rest to rest lasts in continuous time; see `profile`."""
     length, speed, acceleration = (np.abs(np.asarray(x, float)) for x in (distance, max_speed, max_acceleration))
     trapezoid = length / speed + speed / acceleration

@@ -4,13 +4,11 @@ from functools import cache
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.hoap2 import ROBOT
 from models.hoap2.facts import JOINTS
 from models.hoap2.limbs import SEGMENTS
-
-Array = NDArray[np.float64]
 
 
 @cache
@@ -21,13 +19,13 @@ def robot() -> pin.Model:
     return pin.buildReducedModel(model, others, pin.neutral(model)) if others else model
 
 
-def ranges() -> tuple[Array, Array]:
+def ranges() -> tuple[FloatArray, FloatArray]:
     """(25,) lowest and highest joint angles, radians."""
     model = robot()
     return np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
 
 
-def directions(angles: Array) -> Array:
+def directions(angles: FloatArray) -> FloatArray:
     """(T, P, 3) unit vectors of SEGMENTS' parts in the torso's frame, at (T, 25) angles in the order of JOINTS."""
     model = robot()
     data = model.createData()

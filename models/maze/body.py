@@ -4,14 +4,12 @@ import hashlib
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arrays import BoolArray, FloatArray, IntArray
 from models.errors import BodyError
 from models.maze.maze import ACTIONS, Maze
 from models.senses import Channel, Senses
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 TRUE_DYNAMICS: FloatArray = np.array(
     [
@@ -83,7 +81,7 @@ class MazeBody:
         self._cell = np.full(self.copies, self.maze.number(self.maze.start))
         return self.feel()
 
-    def put_back(self, who: NDArray[np.bool_]) -> None:
+    def put_back(self, who: BoolArray) -> None:
         """Those outside lift (B,) some walkers back to the start (a new trial for learners by trial and error)."""
         self._cell = np.where(who, self.maze.number(self.maze.start), self._cell)
 

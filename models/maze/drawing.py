@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arrays import BoolArray
 from models.errors import BodyError
 from models.files import text
-from models.maze.maze import BoolArray, Maze, Place
+from models.maze.maze import Maze, Place
 
 LARGEST = 200
 """Cells along a side."""

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from models.arrays import BoolArray, IntArray
 from models.errors import BodyError
 
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Place = tuple[int, int]
 """(x, y), each from 1; (1, 1) is the cell at the lower left."""
 

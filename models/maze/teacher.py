@@ -7,13 +7,11 @@ do, each walk has its own liking (so that two demonstrations of one goal differ,
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import IntArray
 from models.errors import BodyError
 from models.maze.body import MazeBody
 from models.maze.maze import ACTIONS, STEPS, Maze, Place
-
-IntArray = NDArray[np.int64]
 
 PATIENCE = 40
 """A teacher gives up after this many times the shortest path's length."""

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from models.arrays import BoolArray, FloatArray
 from models.errors import BodyError, unknown
 
 MIN_FRAMES = 3
@@ -28,9 +28,9 @@ class JointTrajectory:
     """
 
     name: str
-    time: NDArray[np.float64]
+    time: FloatArray
     joints: tuple[str, ...]
-    angles: NDArray[np.float64]
+    angles: FloatArray
 
     def __post_init__(self) -> None:
         time = np.array(self.time, dtype=float)
@@ -113,7 +113,7 @@ class JointTrajectory:
         )
 
 
-def frame_times(duration: float, dt: float, name: str) -> NDArray[np.float64]:
+def frame_times(duration: float, dt: float, name: str) -> FloatArray:
     """Times 0, dt, 2 dt ... up to `duration` seconds: at least 3 and at most a million of them."""
     if not dt > 0:
         raise BodyError(f"{name}: a time step of {dt:g} s is impossible; give more than 0")
@@ -125,6 +125,6 @@ def frame_times(duration: float, dt: float, name: str) -> NDArray[np.float64]:
     return np.asarray(np.arange(int(count) + 1) * dt, dtype=float)
 
 
-def _first(where: NDArray[np.bool_]) -> int:
+def _first(where: BoolArray) -> int:
     """Position of the first true element, counted from 1."""
     return int(np.argmax(where)) + 1

@@ -3,7 +3,6 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.errors import unknown
 from models.motion.trajectory import JointTrajectory
@@ -11,7 +10,6 @@ from models.teachers import robots
 from models.teachers.anatomy import perform
 from models.teachers.performance import PARTS, Performance, TeacherError
 
-Array = NDArray[np.float64]
 RATE_HZ = 50.0
 HOLD_S, ACT_S = 0.2, 0.6
 LEAST = np.deg2rad(15.0)

@@ -10,8 +10,8 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.files import checked, text
 from models.teachers.performance import TeacherError
 
@@ -44,7 +44,7 @@ MIN_FRAMES = 4
 MAX_FRAMES = 100_000
 
 
-def read_amc(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+def read_amc(path: str | os.PathLike[str]) -> FloatArray:
     """Numbers of a checked file, (frames, 62), bones in the order of BONES; TeacherError says what is wrong where."""
     path = checked(path)
     frames: list[dict[str, list[float]]] = []
@@ -82,7 +82,7 @@ def read_amc(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     return np.array([[value for bone in BONES for value in frame[bone]] for frame in frames])
 
 
-def write_amc(frames: NDArray[np.float64], path: str | os.PathLike[str]) -> None:
+def write_amc(frames: FloatArray, path: str | os.PathLike[str]) -> None:
     """Write (frames, 62) numbers in the plainest form of the format, frames counted from 1."""
     edges = np.cumsum([0, *BONES.values()])
     lines = [":FULLY-SPECIFIED", ":DEGREES"]

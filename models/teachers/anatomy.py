@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.teachers.performance import PARTS, SIDES, Performance, unit, upright_frame
 
-Array = NDArray[np.float64]
 ENDS: dict[str, tuple[str, str]] = {
     "upper_arm": ("shoulder", "elbow"),
     "forearm": ("elbow", "wrist"),
@@ -39,11 +38,11 @@ class BodyPoses:
     positions: landmarks (left_shoulder, ...) and these bodies -> (T, 3) metres in the world (z up).
     """
 
-    rotations: Mapping[str, Array]
-    positions: Mapping[str, Array]
+    rotations: Mapping[str, FloatArray]
+    positions: Mapping[str, FloatArray]
 
 
-def upright(at: Mapping[str, Array]) -> Array:
+def upright(at: Mapping[str, FloatArray]) -> FloatArray:
     """Forward, left and up, as columns (3, 3), of a teacher that stands upright with its landmarks at (3,) each.
 
     Left from the right shoulder (or hip) to the left one, up from the ankles to the hips, or the world's z where there
@@ -57,7 +56,7 @@ def upright(at: Mapping[str, Array]) -> Array:
     return np.eye(3)
 
 
-def perform(name: str, teacher: str, time: Array, motion: BodyPoses, reference: BodyPoses) -> Performance:
+def perform(name: str, teacher: str, time: FloatArray, motion: BodyPoses, reference: BodyPoses) -> Performance:
     """What is seen of a teacher whose bodies move like `motion` and that stands upright in frame 0 of `reference`.
 
     A part both of whose ends are one point shows nothing and is left out.
@@ -77,7 +76,9 @@ def perform(name: str, teacher: str, time: Array, motion: BodyPoses, reference: 
     return Performance(name, teacher, time, directions, points, bones)
 
 
-def _skeleton(positions: Mapping[str, Array], riding: Mapping[str, Array]) -> tuple[Array, tuple[tuple[int, int], ...]]:
+def _skeleton(
+    positions: Mapping[str, FloatArray], riding: Mapping[str, FloatArray]
+) -> tuple[FloatArray, tuple[tuple[int, int], ...]]:
     """Points and bones of a stick figure; nose and toes are drawn where the parts' directions point."""
     at = dict(positions)
     for middle, ends in (("neck", "shoulder"), ("waist", "hip")):

@@ -8,8 +8,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.teachers.amc import read_amc, write_amc
 from models.teachers.anatomy import BodyPoses, perform
 from models.teachers.performance import SIDES, Performance
@@ -48,7 +48,7 @@ def _human() -> Any:
     return humanoid_CMU.stand().physics
 
 
-def _poses(physics: Any, qpos: NDArray[np.float64]) -> BodyPoses:
+def _poses(physics: Any, qpos: FloatArray) -> BodyPoses:
     model, data = physics.model.ptr, physics.data.ptr
     landmarks = {f"{side}_{name}": f"{side[0]}{bone}" for side in SIDES for name, bone in ENDS_AT.items()}
     bodies = {name: model.body(bone).id for name, bone in (BODY_OF | landmarks).items()}

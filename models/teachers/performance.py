@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.errors import BodyError
 
 SIDES = ("left", "right")
@@ -39,9 +39,9 @@ class Performance:
 
     name: str
     teacher: str
-    time: NDArray[np.float64]
-    directions: Mapping[str, NDArray[np.float64]]
-    points: NDArray[np.float64]
+    time: FloatArray
+    directions: Mapping[str, FloatArray]
+    points: FloatArray
     bones: tuple[tuple[int, int], ...]
 
     def __post_init__(self) -> None:
@@ -62,7 +62,7 @@ class Performance:
         object.__setattr__(self, "directions", MappingProxyType(directions))
 
 
-def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def unit(vectors: FloatArray) -> FloatArray:
     """The same directions with length 1 along the last axis; a zero vector has none and raises TeacherError."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     if not (length > 1e-12).all():
@@ -70,14 +70,14 @@ def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(vectors / length)
 
 
-def upright_frame(left: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
+def upright_frame(left: FloatArray, up: FloatArray) -> FloatArray:
     """Rotation whose columns are forward, left and up, from rough left and up vectors; up is made square to left."""
     left = unit(left)
     up = unit(up - (up @ left) * left)
     return np.column_stack([np.cross(left, up), left, up])
 
 
-def _frozen(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _frozen(values: FloatArray) -> FloatArray:
     copy = np.array(values, dtype=float)
     copy.setflags(write=False)
     return copy

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.files import checked
 from models.motion.trajectory import JointTrajectory
 from models.teachers import robots
@@ -15,7 +15,6 @@ from models.teachers.cmu import perform_amc
 from models.teachers.demonstrations import DEMONSTRATIONS, find
 from models.teachers.performance import Performance, TeacherError
 
-Array = NDArray[np.float64]
 RATE_HZ = 50.0
 
 
@@ -48,7 +47,9 @@ def perform_motion(robot: str, trajectory: JointTrajectory, standing_on: str = "
     return show(trajectory.name, robot, trajectory.time, moving, teacher.reference)
 
 
-def minimum_jerk(postures: tuple[tuple[float, Mapping[str, float]], ...]) -> tuple[Array, tuple[str, ...], Array]:
+def minimum_jerk(
+    postures: tuple[tuple[float, Mapping[str, float]], ...],
+) -> tuple[FloatArray, tuple[str, ...], FloatArray]:
     """Times (T,) at RATE_HZ, joint names and angles (T, J) through the postures, resting in each for an instant.
 
     Between two postures the share of the way gone is 10 s^3 - 15 s^4 + 6 s^5 (Flash and Hogan 1985).

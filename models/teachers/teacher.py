@@ -11,14 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from models.arrays import FloatArray
 from models.errors import unknown
 from models.motion.trajectory import JointTrajectory
 from models.teachers.anatomy import CARRIED, ENDS, BodyPoses, upright
 from models.teachers.performance import SIDES, TeacherError
 
-Array = NDArray[np.float64]
 WORDS: Mapping[str, tuple[str, ...]] = {
     "shoulder": ("shoulder", "uarm", "upperarm", "upper_arm", "humerus"),
     "elbow": ("elbow", "forearm", "lower_arm", "lowerarm"),
@@ -83,7 +82,7 @@ class Teacher:
         places = zip(list(self.model.names)[1:], list(self.model.idx_qs)[1:], strict=True)
         return {joint: (float(low[place]), float(high[place])) for joint, place in places}
 
-    def postures(self, trajectory: JointTrajectory) -> Array:
+    def postures(self, trajectory: JointTrajectory) -> FloatArray:
         """(T, nq) configurations when it moves like this; joints that are not named stay at zero.
 
         Raises:
@@ -102,7 +101,7 @@ class Teacher:
                 found[:, place] = values
         return found
 
-    def motion(self, configurations: Array, standing_on: str = "left") -> BodyPoses:
+    def motion(self, configurations: FloatArray, standing_on: str = "left") -> BodyPoses:
         """Poses of its body parts through time, (T, nq) configurations, with one foot resting where it stands.
 
         The world's x is where the upright robot faces, z is up; its ankles stand at the origin. `standing_on` names
