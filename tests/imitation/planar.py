@@ -22,7 +22,7 @@ def image(
     fore = np.stack([*both, 0 * both[0]], -1)
     parts = {
         "upper": PartImage(np.array([0]), np.zeros(1), upper, 0.0),
-        "fore": PartImage(np.arange(2), np.zeros(2), fore, 0.0),
+        "fore": PartImage(np.arange(2), np.zeros(2), fore.reshape(-1, 3), 0.0),
     }
     library = np.random.default_rng(0).uniform(low, high, (remembered, 2))
     return Image(
