@@ -21,7 +21,7 @@ class Temper:
 
     eagerness: Annotated[FloatArray, Numbers("motor", low=0, high=2, zero=False)]
     """(F,) share of the believed error to be undone within one tick."""
-    habit: Annotated[FloatArray, Numbers("motor", low=0, high=100)]
+    trust: Annotated[FloatArray, Numbers("motor", low=0, high=100)]
     """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior."""
 
     @classmethod

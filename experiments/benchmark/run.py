@@ -88,7 +88,7 @@ def run(config: Config) -> Result:
 def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
     """Everyone who answers "what action leads there", by name."""
     models: dict[str, InverseModel] = {
-        f"Bayesian, {rule}": BayesianInverse(mind.forward_model, rule, habit=mind.temper.habit)
+        f"Bayesian, {rule}": BayesianInverse(mind.forward_model, rule, trust=mind.temper.trust)
         for rule in ("mean", "map", "matching")
     }
     models["linear"] = LinearInverse(mind.forward_model)

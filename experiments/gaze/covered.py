@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from experiments.gaze.infer import infer
-from experiments.gaze.trials import TOYS, Follower, Trials, run_trials
+from experiments.gaze.trials import TOYS, Trials, Watcher, run_trials
 from experiments.shared.judging import interval_95
 from imitation.gaze.reader import EyeLore
 from imitation.seeing.finding import Finder
@@ -40,7 +40,7 @@ def own_experience(
 
 
 def covered_eyes(
-    body: SeeingBody, who: Follower, count: int, rng: np.random.Generator, report: Callable[[float], None]
+    body: SeeingBody, who: Watcher, count: int, rng: np.random.Generator, report: Callable[[float], None]
 ) -> dict[str, Any]:
     """How often gaze is followed: by age, own experience and cloth; populations that choose by probability matching."""
     faces: dict[str, Trials] = {}
@@ -71,7 +71,7 @@ def covered_eyes(
     }
 
 
-def _followed(who: Follower, trials: Trials, lore: EyeLore, rng: np.random.Generator) -> dict[str, Any]:
+def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Generator) -> dict[str, Any]:
     covered = ~trials.eyes_seen
     belief = {state: lore.sees(state) for state in (False, True)}
     looked = np.empty(len(covered), int)

@@ -5,14 +5,14 @@ from typing import Any, NamedTuple
 from babbling.axes import FloatArray
 from experiments.gaze.infer import Judged
 from experiments.gaze.scene import Following
-from experiments.gaze.trials import Follower, Trials
+from experiments.gaze.trials import Trials, Watcher
 from imitation.gaze.reader import Preferences
 
 
 class Found(NamedTuple):
     """Everything a run found; for figures and the recording."""
 
-    who: Follower
+    who: Watcher
     trials: Trials
     """Clear ones, whose toys were followed."""
     clear: Judged

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray
-from experiments.gaze.trials import Follower, Trials, located
+from experiments.gaze.trials import Trials, Watcher, located
 from imitation.gaze.reader import Preferences
 
 
@@ -21,7 +21,7 @@ class Judged(NamedTuple):
 
 
 def infer(
-    who: Follower,
+    who: Watcher,
     trials: Trials,
     toys: tuple[str, ...],
     likes: Preferences | None = None,
@@ -48,7 +48,7 @@ def infer(
 
 
 def judge(
-    who: Follower, trials: Trials, toys: tuple[str, ...], likes: Preferences | None = None, *, even: bool = False
+    who: Watcher, trials: Trials, toys: tuple[str, ...], likes: Preferences | None = None, *, even: bool = False
 ) -> Judged:
     """Infer and compare with the truth."""
     probability = infer(who, trials, toys, likes, even=even)
@@ -56,7 +56,7 @@ def judge(
     return Judged(probability, best == trials.target, probability.max(1))
 
 
-def preferences(who: Follower, trials: Trials, toys: tuple[str, ...]) -> Preferences:
+def preferences(who: Watcher, trials: Trials, toys: tuple[str, ...]) -> Preferences:
     """What a teacher likes, learned from what it seemed to look at; nobody says what it was."""
     likes = Preferences()
     for i in range(len(trials.target)):

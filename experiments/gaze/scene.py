@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray
-from experiments.gaze.trials import TOYS, Follower, table_body, toys_seen
+from experiments.gaze.trials import TOYS, Watcher, table_body, toys_seen
 from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import Preferences
@@ -47,7 +47,7 @@ class Following(NamedTuple):
     """(G, 2) the poses that Eq. (1) expects for each toy, "like me"."""
 
 
-def episode(who: Follower, layout: FloatArray | None, target: int, seed: int) -> Following:
+def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> Following:
     """One teacher, one look."""
     scene, mind, appearance, head, gaze = who
     rng = np.random.default_rng([seed, 0xE91])

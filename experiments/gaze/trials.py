@@ -49,7 +49,7 @@ class Scene:
         return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
 
 
-class Follower(NamedTuple):
+class Watcher(NamedTuple):
     """Who follows gaze: what it has learned of its own eyes, of heads, and of where others look."""
 
     scene: Scene
@@ -114,7 +114,7 @@ def toys_seen(
 
 def run_trials(
     body: SeeingBody,
-    who: Follower,
+    who: Watcher,
     count: int,
     rng: np.random.Generator,
     *,
@@ -203,7 +203,7 @@ def located(trials: Trials, where: Geometry) -> FloatArray:
     return where.locate(trials.things, trials.tilt[:, None])
 
 
-def shown(who: Follower, trials: Trials) -> Follower:
+def shown(who: Watcher, trials: Trials) -> Watcher:
     """One who has learned from trials whose goal was taken up afterwards."""
     places = located(trials, who.gaze.geometry)[np.arange(len(trials.target)), trials.target]
     use = np.isfinite(places).all(1) & np.isfinite(trials.pose).all(1)
@@ -211,9 +211,7 @@ def shown(who: Follower, trials: Trials) -> Follower:
     return who._replace(gaze=who.gaze.learned(goals))
 
 
-def lesson_for_gaze(
-    scene: Scene, mind: LookingMind, count: int, seed: int, report: Callable[[float], None]
-) -> Follower:
+def lesson_for_gaze(scene: Scene, mind: LookingMind, count: int, seed: int, report: Callable[[float], None]) -> Watcher:
     """Being mirrored while looking at face and table: what heads at postures look like, and where the face is."""
     body = table_body(scene, COPIES, seed, TURN_S)
     body.teacher_path = still(np.zeros((COPIES, 2)))
@@ -224,4 +222,4 @@ def lesson_for_gaze(
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
     appearance = mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
     naive = GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), where, WATCH_TILT)
-    return Follower(scene, mind, appearance, head, naive)
+    return Watcher(scene, mind, appearance, head, naive)

@@ -105,7 +105,7 @@ def measure(
         "select_p99_ms": float(np.quantile(select_ms, 0.99)),
         "body_schema_correct_share": float(right),
         "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
-        "habit_mean": float(learned.mind.temper.habit.mean()),
+        "habit_mean": float(learned.mind.temper.trust.mean()),
         **retarget_metrics(seen.oracle),
         **correspondence_metrics(seen.learned, seen.oracle, body.tick_s),
         **learned.metrics,

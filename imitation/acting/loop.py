@@ -111,7 +111,7 @@ class Imitator:
         terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
     ) -> None:
         self.mind, self.tick_s, self.goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
-        self.inverse = inverse or BayesianInverse(mind.forward_model, selection, habit=mind.temper.habit)
+        self.inverse = inverse or BayesianInverse(mind.forward_model, selection, trust=mind.temper.trust)
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
         self.terms = terms
         self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics, self.inverse.expect)

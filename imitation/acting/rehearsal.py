@@ -22,7 +22,7 @@ from imitation.inference.inverse import BayesianInverse, InverseModel
 
 EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
 """Candidates, one per copy of the body, the calmest first."""
-HABIT = (1.0, 0.1)
+TRUST = (1.0, 0.1)
 """Candidates: as one is used to, and nearly without habit."""
 CALM = 1.15
 """The calmest candidate within this factor of the best is kept: what is eager enough today may hunt tomorrow."""
@@ -71,14 +71,14 @@ def rehearse(make_body: Callable[[int], Body], mind: Mind, seed: int) -> Mind:
         seed: randomness of the made-up movement.
     """
     body = make_body(len(EAGERNESS))
-    errors = [felt_errors(body, mind, BayesianInverse(mind.forward_model, habit=habit), seed) for habit in HABIT]
-    choice = np.stack([calmest(e) for e in errors])  # (habit, F)
+    errors = [felt_errors(body, mind, BayesianInverse(mind.forward_model, trust=trust), seed) for trust in TRUST]
+    choice = np.stack([calmest(e) for e in errors])  # (trust, F)
     reached = np.stack([np.take_along_axis(e, c[None], 0)[0] for e, c in zip(errors, choice, strict=True)])
     # one trust for the whole body: a single worn joint that leaves its habit may hunt where rehearsal did not go
     gain = float(np.median(reached[1] / reached[0]))
-    habit = np.full(reached.shape[1], int(gain * CALM < 1), np.intp)
-    chosen = np.take_along_axis(choice, habit[None], 0)[0]
-    return replace(mind, temper=Temper(np.array(EAGERNESS)[chosen], np.array(HABIT)[habit]))
+    trust = np.full(reached.shape[1], int(gain * CALM < 1), np.intp)
+    chosen = np.take_along_axis(choice, trust[None], 0)[0]
+    return replace(mind, temper=Temper(np.array(EAGERNESS)[chosen], np.array(TRUST)[trust]))
 
 
 def best_eagerness(make_body: Callable[[int], Body], mind: Mind, inverse: InverseModel, seed: int) -> FloatArray:

@@ -71,7 +71,7 @@ class BayesianInverse:
     Args:
         forward_model: of the first term; the habit, the line and what is expected are its own.
         selection: name of a selection rule.
-        habit: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
+        trust: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
             uniform prior.
         prior: (F, A) prior over actions that replaces the habit.
         ladder: who decides where Eq. (1) is 0/0 or a term with a weight is off its axes.
@@ -85,7 +85,7 @@ class BayesianInverse:
         forward_model: ForwardModel,
         selection: str = "mean",
         *,
-        habit: FloatArray | float = 1.0,
+        trust: FloatArray | float = 1.0,
         prior: FloatArray | None = None,
         ladder: Sequence[Rung] = MEASURED,
     ) -> None:
@@ -93,7 +93,7 @@ class BayesianInverse:
         self.ladder = check_ladder(ladder)
         self.line = LinearInverse(forward_model) if Rung.LINE in self.ladder else None
         table = forward_model.habits
-        exponent = np.broadcast_to(np.asarray(habit, float), (len(forward_model.factors),))
+        exponent = np.broadcast_to(np.asarray(trust, float), (len(forward_model.factors),))
         table = table ** exponent.reshape(-1, *(1,) * (table.ndim - 1))
         total = table.sum(-1, keepdims=True)
         self.habits = np.divide(table, total, out=np.zeros_like(table), where=total > 0)

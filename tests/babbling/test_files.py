@@ -81,7 +81,7 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
         (fill("rate_points", np.arange(45.0).reshape(3, 15) ** 2), "rate_points are not evenly spaced"),
         (instead("pilot_coasting", np.zeros((2, 3))), r"pilot_coasting has shape \(2, 3\); \(3,\) is needed \(motor\)"),
         (instead("pilot_coasting", np.zeros(3, "f4")), "pilot_coasting is missing, or not of type float64"),
-        (instead("pilot_coasting", h5py.SoftLink("/temper_habit")), "pilot_coasting is missing"),
+        (instead("pilot_coasting", h5py.SoftLink("/temper_trust")), "pilot_coasting is missing"),
         (instead("pilot_coasting", h5py.ExternalLink("/dev/zero", "/x")), "pilot_coasting is missing"),
         (instead("forward_model_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),
         (instead("fingerprint", np.array([b"\x1b", b"[", b"A"])), "fingerprint is not made of distinct words"),

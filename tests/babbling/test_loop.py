@@ -99,7 +99,7 @@ def assert_same_mind(one: Mind, other: Mind) -> None:
         for name, value in vars(getattr(one.pilot, part)).items():
             assert (value == getattr(getattr(other.pilot, part), name)).all(), name
     assert (one.pilot.coasting == other.pilot.coasting).all()
-    assert (one.temper.eagerness == other.temper.eagerness).all() and (one.temper.habit == other.temper.habit).all()
+    assert (one.temper.eagerness == other.temper.eagerness).all() and (one.temper.trust == other.temper.trust).all()
 
 
 def test_another_body_is_refused(arm, arm_mind):

@@ -43,7 +43,7 @@ def test_one_term_in_one_context_is_to_the_bit_what_eq_1_says_written_out():
     rng = np.random.default_rng(1)
     model, copies, exponent = measured(4, 9, 11), 5, np.array([1.0, 0.1])
     v, w = rng.uniform(-1, 1, (2, copies, 2)) * -LOW
-    choice = BayesianInverse(model, habit=exponent).choose([Term(model, (v,), w)], rng)
+    choice = BayesianInverse(model, trust=exponent).choose([Term(model, (v,), w)], rng)
 
     def soft(axis, x):
         position = (x - axis.low) / ((axis.high - axis.low) / (axis.size - 1))
@@ -74,7 +74,7 @@ def test_each_choice_is_eq_1_by_brute_force():
     model = measured(3, 9, 11)
     context, wanted = model.contexts[0].points[:, 1][None], model.outcome.points[:, 7][None]
     term = Term(model, (context,), wanted)
-    choice = BayesianInverse(model, "mean", habit=1.0).choose([term], rng)
+    choice = BayesianInverse(model, "mean", trust=1.0).choose([term], rng)
     table = model.counts / model.unit + model.prior()
     for f in range(2):
         likelihood = np.array([table[f, 1, i, 7] / table[f, 1, i].sum() for i in range(9)])
@@ -84,7 +84,7 @@ def test_each_choice_is_eq_1_by_brute_force():
         mean = sum(p * x for p, x in zip(joint, model.action.points[f], strict=True)) / sum(joint)
         assert choice.action[0, f] == pytest.approx(mean, abs=1e-12)
     # no habit is the uniform prior; a prior given replaces it
-    plain = BayesianInverse(model, "mean", habit=0.0).choose([term], rng).posterior
+    plain = BayesianInverse(model, "mean", trust=0.0).choose([term], rng).posterior
     uniform = action_posterior(model.likelihood((context,), wanted))
     np.testing.assert_allclose(plain.probability, uniform.probability, atol=1e-12)
     sure = np.zeros((2, 9))

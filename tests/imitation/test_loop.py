@@ -9,7 +9,7 @@ from babbling.errors import BabblingError
 from babbling.mind import learn
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
-from imitation.acting.rehearsal import EAGERNESS, HABIT, made_up_movement, rehearse
+from imitation.acting.rehearsal import EAGERNESS, TRUST, made_up_movement, rehearse
 from imitation.errors import ImitationError
 from models.loading import load_body
 from models.motion import read_motion
@@ -95,7 +95,7 @@ def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind, 
 
     mind = rehearse(make, arm_mind, seed=0)
     assert asked == [len(EAGERNESS)]
-    assert set(mind.temper.eagerness) <= set(EAGERNESS) and set(mind.temper.habit) <= set(HABIT)
+    assert set(mind.temper.eagerness) <= set(EAGERNESS) and set(mind.temper.trust) <= set(TRUST)
     assert mind.forward_model is arm_mind.forward_model
 
 

@@ -59,18 +59,20 @@ def test_facing_is_an_involution_and_the_other_sees_our_left_on_its_right() -> N
     np.testing.assert_allclose(facing(facing(PLACES, other), ours), PLACES, atol=1e-12)
 
 
-def test_habit_is_a_density_that_peaks_at_the_looked_at_thing() -> None:
+def test_like_me_is_a_density_that_peaks_at_the_looked_at_thing() -> None:
     gaze = replace(reader(), bias=np.array([0.02, -0.03]), covariance=np.array([[0.004, 0.001], [0.001, 0.002]]))
     expected = gaze.imagined(PLACES, np.tile(HEAD, (3, 1))) + gaze.bias
     for k, pose in enumerate(expected):
-        habit = gaze.habit(pose, PLACES, HEAD)
-        assert habit.argmax() == k
-        assert habit[k] == pytest.approx(1 / (2 * np.pi * np.sqrt(np.linalg.det(gaze.covariance))))
+        density = gaze.like_me(pose, PLACES, HEAD)
+        assert density.argmax() == k
+        assert density[k] == pytest.approx(1 / (2 * np.pi * np.sqrt(np.linalg.det(gaze.covariance))))
         for step in 0.02 * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
-            assert gaze.habit(pose + step, PLACES, HEAD)[k] < habit[k]
+            assert gaze.like_me(pose + step, PLACES, HEAD)[k] < density[k]
     side = np.linspace(-0.5, 0.5, 201)
     grid = np.stack(np.meshgrid(side, side), -1).reshape(-1, 2) + expected[0]
-    mass = np.array([gaze.habit(pose, PLACES[:1], HEAD)[0] for pose in grid[::7]]).sum() * 7 * (side[1] - side[0]) ** 2
+    mass = (
+        np.array([gaze.like_me(pose, PLACES[:1], HEAD)[0] for pose in grid[::7]]).sum() * 7 * (side[1] - side[0]) ** 2
+    )
     assert mass == pytest.approx(1.0, abs=0.01)
 
 
