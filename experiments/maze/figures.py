@@ -9,13 +9,31 @@ from matplotlib.patches import Rectangle
 
 from babbling.axes import FloatArray
 from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
+from experiments.maze.found import Found
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import Inferred, places_of
 from experiments.shared.figures import draw_curve
 from experiments.shared.palette import OURS
 from imitation.acting.follow import Journey
 from imitation.inference.intent import in_blocks
-from models.maze import ACTIONS, STEPS, Maze, Walk
+from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS, Maze, Walk
+
+BLOCK = 8
+"""Steps that one point of Figure 7 (b) averages."""
+
+
+def figures(done: Found) -> dict[str, Figure]:
+    """All of them, by file stem."""
+    maze, config, model = done.maze, done.config, done.experience.forward_model
+    priors, even = done.experience.priors.action(), done.even[config.actions]
+    drawn = {
+        "figure_5": figure_5(maze, TRUE_DYNAMICS, done.table, model.transitions),
+        "figure_6": figure_6(maze, priors, done.walks, done.journey, config.goal, config.selection),
+        "figure_7": figure_7(maze, done.unseen, done.inferred, even, done.goal_prior, BLOCK),
+    }
+    if done.curve is not None and done.curve.steps:
+        drawn["learning_curve"] = learning_curve(done.curve)
+    return drawn
 
 
 def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: int) -> Figure:

@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray, IntArray
 from experiments.maze.drawing import GOAL_COLOURS, wall_segments
-from experiments.maze.mind import Experience, Inferred, places_of
+from experiments.maze.found import Found
+from experiments.maze.mind import Inferred, places_of
 from experiments.shared import views
 from experiments.shared.palette import light
 from experiments.shared.recording import recording
@@ -30,20 +31,9 @@ LONGEST_TRAIL = 150
 EVENTS = (("sub-goal", (102, 161, 130)), ("backtracking", (237, 174, 73)), ("forward model alone", (209, 73, 91)))
 
 
-def record(
-    path: Path,
-    experience: Experience,
-    walks: Sequence[Walk],
-    journey: Journey,
-    goal: int,
-    unseen: Walk,
-    inferred: Inferred,
-    goal_prior: FloatArray,
-    summary: str,
-    figures: Mapping[str, Figure],
-) -> None:
+def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
     """Write the recording, blueprint inside."""
-    maze = experience.maze
+    maze, goal, unseen = done.maze, done.config.goal, done.unseen
     with recording(
         path, "imitate-maze", f"maze, goal {goal}", _layout(maze, goal, unseen, figures), _as_list(summary), "step"
     ) as stream:
@@ -54,9 +44,9 @@ def record(
             stream.log(f"figures/{name}", image, static=True)
         for world in ("imitating", "watching"):
             _log_maze(stream, world, maze)
-        _log_demonstrations(stream, [walk for walk in walks if walk.goal == goal])
-        _log_imitation(stream, maze, journey, goal)
-        _log_watching(stream, maze, unseen, inferred, goal_prior)
+        _log_demonstrations(stream, [walk for walk in done.walks if walk.goal == goal])
+        _log_imitation(stream, maze, done.journey, goal)
+        _log_watching(stream, maze, unseen, done.inferred, done.goal_prior)
 
 
 def _log_maze(stream: rr.RecordingStream, world: str, maze: Maze) -> None:

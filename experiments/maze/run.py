@@ -6,17 +6,16 @@ The same forward model, Eq. (1) and Eq. (2) as for every other body; the maze is
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from babbling.axes import Axis, FloatArray
 from babbling.files import save
 from experiments.errors import ExperimentError
-from experiments.maze.figures import figure_5, figure_6, figure_7, learning_curve
+from experiments.maze.figures import BLOCK, figures
+from experiments.maze.found import Found
 from experiments.maze.learning import Convergence, walkers
 from experiments.maze.mind import (
     UNSEEN,
     Experience,
-    Inferred,
     imitate,
     infer,
     step_likelihood,
@@ -31,7 +30,7 @@ from experiments.maze.study import study
 from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.acting.follow import Journey, believed
+from imitation.acting.follow import believed
 from imitation.deferred import StepMemory
 from imitation.inference.intent import in_blocks
 from imitation.inference.priors import check_goal_prior, check_smoothing
@@ -40,8 +39,6 @@ from models.maze import ACTIONS, TRUE_DYNAMICS, Maze, MazeBody, Walk, check_walk
 from models.maze.teacher import goal_place
 from models.maze.walk_file import read_walks, write_walks
 
-BLOCK = 8
-"""Steps that one point of Figure 7 (b) averages."""
 UNSEEN_STEPS = 85
 """Length of the chapter's unseen walk."""
 UNSEEN_GOAL = 1
@@ -77,49 +74,21 @@ def run(config: Config) -> Result:
         }
         for prior in (goal_prior, np.full(len(maze.goals), 1 / len(maze.goals)))
     )
-    metrics = _metrics(config, experience, walks, journey, inferred, even[config.actions], curve)
+    done = Found(config, experience, walks, curve, journey, unseen, goal_prior, inferred, even)
+    metrics, drawn = _metrics(done), figures(done)
     summary = _summary(config, metrics)
-    figures: dict[str, Figure] = {
-        "figure_5": figure_5(
-            maze,
-            TRUE_DYNAMICS,
-            believed(experience.forward_model)[0],
-            metrics["forward_model"]["counted_transitions"],
-        ),
-        "figure_6": figure_6(maze, experience.priors.action(), walks, journey, config.goal, config.selection),
-        "figure_7": figure_7(maze, unseen, inferred[config.actions], even[config.actions], goal_prior, BLOCK),
-    }
-    if curve is not None and curve.steps:
-        figures["learning_curve"] = learning_curve(curve)
     if config.study:
         with progress("study") as report:
             found = study(maze, config.seed, config.demonstrations, config.wander_steps, config.smoothing, report)
         metrics |= found.metrics
-        figures |= found.figures
+        drawn |= found.figures
         summary += found.summary
     files = {
         "memory.nc": lambda path: save(memory, path),
         "demonstrations.csv": lambda path: write_walks(walks, path),
         "unseen_walk.csv": lambda path: write_walks([unseen], path),
     }
-    return Result(
-        metrics,
-        summary,
-        figures,
-        lambda path: record(
-            path,
-            experience,
-            walks,
-            journey,
-            config.goal,
-            unseen,
-            inferred[config.actions],
-            goal_prior,
-            summary,
-            figures,
-        ),
-        files,
-    )
+    return Result(metrics, summary, drawn, lambda path: record(path, done, summary, drawn), files)
 
 
 def _check(config: Config, maze: Maze) -> FloatArray:
@@ -166,40 +135,34 @@ def unseen_walk(maze: Maze, seed: int) -> Walk:
     return next((walk for walk in walks if walk.steps == UNSEEN_STEPS), walks[0])
 
 
-def _metrics(
-    config: Config,
-    experience: Experience,
-    walks: list[Walk],
-    journey: Journey,
-    beliefs: dict[str, Inferred],
-    even: Inferred,
-    curve: Convergence | None,
-) -> dict[str, Any]:
-    model, decisions, goal = experience.forward_model, journey.decisions, config.goal
-    table = believed(model)[0]
-    teacher = float(np.mean([walk.steps for walk in walks if walk.goal == goal]))
-    true_goal, inferred = UNSEEN_GOAL - 1, beliefs[config.actions]
+def _metrics(done: Found) -> dict[str, Any]:
+    maze, model, config, journey, inferred = (
+        done.maze, done.experience.forward_model, done.config, done.journey, done.inferred
+    )  # fmt: skip
+    decisions, even, curve = journey.decisions, done.even[config.actions], done.curve
+    teacher = float(np.mean([walk.steps for walk in done.walks if walk.goal == config.goal]))
+    true_goal = UNSEEN_GOAL - 1
     return {
         "maze": {
-            "width": experience.maze.width,
-            "height": experience.maze.height,
-            "goals": experience.maze.goals,
-            "fingerprint": experience.maze.fingerprint,
+            "width": maze.width,
+            "height": maze.height,
+            "goals": maze.goals,
+            "fingerprint": maze.fingerprint,
         },
         "forward_model": {
             "counted_transitions": model.transitions,
             "uniform": model.transitions == 0,
-            "cells_away_from_walls": int((experience.maze.walls.sum(-1) == 0).sum()),
+            "cells_away_from_walls": int((maze.walls.sum(-1) == 0).sum()),
             "untried_actions": int((model.visits == 0).sum()),
-            "table": table,
+            "table": done.table,
             "truth": TRUE_DYNAMICS,
-            "total_variation": float(np.abs(table - TRUE_DYNAMICS).sum(-1).mean() / 2),
+            "total_variation": float(np.abs(done.table - TRUE_DYNAMICS).sum(-1).mean() / 2),
         },
         "learning_curve": None
         if curve is None
         else {"steps": curve.steps, "forward_model_tv": curve.tv, "forward_model_tv_bound": curve.bound},
         "imitation": {
-            "goal": goal,
+            "goal": config.goal,
             "selection": config.selection,
             "reached": bool(journey.reached[0]),
             "steps": int(journey.steps[0]),
@@ -228,7 +191,7 @@ def _metrics(
                     "right_steps": float((one.by_step.probability.argmax(1) == true_goal).mean()),
                     "filter_end": one.filtered.probability[-1],
                 }
-                for name, one in beliefs.items()
+                for name, one in done.beliefs.items()
             },
         },
     }
