@@ -9,7 +9,7 @@ The diagonal, and not the inverse of the inverse's diagonal, because the other j
 do not swing freely. w (rad/s) follows from the bandwidth b, the frequency at which an isolated joint's answer to its
 command has fallen by 3 dB:   b = w / 2 pi * sqrt(1 - 2 zeta^2 + sqrt((1 - 2 zeta^2)^2 + 1)).
 
-    python -m models.hoap2.derive_gains           # the table; exit 1 if hoap2.xml says something else
+    python -m models.hoap2.derive_gains           # the table; exit 1 if hoap2.xml or stand.xml says something else
     python -m models.hoap2.derive_gains --write   # writes the gains into hoap2.xml, and stand.xml after it
 """
 
@@ -39,28 +39,26 @@ class Gains(NamedTuple):
     kv: float
 
 
-def natural_frequency_hz(bandwidth_hz: float = BANDWIDTH_HZ, damping_ratio: float = DAMPING_RATIO) -> float:
-    """Undamped natural frequency of the second-order loop whose answer is down by 3 dB at `bandwidth_hz`."""
-    a = 1 - 2 * damping_ratio**2
-    return float(bandwidth_hz / np.sqrt(a + np.sqrt(a**2 + 1)))
-
-
-def reflected_inertia(model: mujoco.MjModel) -> dict[str, float]:
-    """Diagonal of the joint-space inertia at `home`, kg·m²; the torso's own six directions left out, hence fixed."""
-    data = mujoco.MjData(model)
-    for joint, angle in HOME_DEG.items():
-        data.qpos[model.joint(joint).qposadr[0]] = np.deg2rad(angle)
-    mujoco.mj_forward(model, data)
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, inertia)
-    return {joint: float(inertia[adr, adr]) for joint in JOINTS for adr in model.joint(joint).dofadr}
+def natural_frequency_hz() -> float:
+    """Undamped natural frequency of the second-order loop whose answer is down by 3 dB at BANDWIDTH_HZ."""
+    a = 1 - 2 * DAMPING_RATIO**2
+    return float(BANDWIDTH_HZ / np.sqrt(a + np.sqrt(a**2 + 1)))
 
 
 def derive(model: mujoco.MjModel) -> dict[str, Gains]:
-    """Gains of every joint, rounded to the four digits that stand in the file."""
-    w = 2 * np.pi * natural_frequency_hz()
-    gains = {}
-    for joint, inertia in reflected_inertia(model).items():
+    """Gains of every joint, rounded to the four digits that stand in the file.
+
+    The inertia leaves the torso's own six directions out: it is fixed.
+    """
+    data = mujoco.MjData(model)
+    for joint, angle in HOME_DEG.items():
+        data.joint(joint).qpos[0] = np.deg2rad(angle)
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    w, gains = 2 * np.pi * natural_frequency_hz(), {}
+    for joint in JOINTS:
+        inertia = float(np.diag(full)[model.joint(joint).dofadr[0]])
         kv = 2 * DAMPING_RATIO * inertia * w - DAMPING[joint_class(joint)]
         gains[joint] = Gains(inertia, float(f"{inertia * w**2:.4g}"), float(f"{kv:.4g}"))
     return gains
@@ -77,22 +75,20 @@ def with_gains(robot: str, gains: dict[str, Gains]) -> str:
 
 
 def main() -> int:
-    """Print the table; compare or write; the exit status says whether the file on disk is up to date."""
+    """Print the table; compare or write; the exit status says whether the files on disk are up to date."""
     gains = derive(mujoco.MjModel.from_xml_path(str(ROBOT)))
     hz = natural_frequency_hz()
-    sys.stdout.write(f"-3 dB at {BANDWIDTH_HZ:g} Hz, damping ratio {DAMPING_RATIO:g}: natural frequency {hz:.2f} Hz\n")
+    print(f"-3 dB at {BANDWIDTH_HZ:g} Hz, damping ratio {DAMPING_RATIO:g}: natural frequency {hz:.2f} Hz")
     for joint, gain in gains.items():
-        sys.stdout.write(
-            f"{joint:18} I {gain.inertia:.5f} kg m2   kp {gain.kp:8g} N m/rad   kv {gain.kv:8g} N m s/rad\n"
-        )
-    robot = ROBOT.read_text()
-    text = with_gains(robot, gains)
-    if "--write" in sys.argv[1:] and (text != robot or STAND.read_text() != stand_xml(text)):
-        ROBOT.write_text(text)
-        STAND.write_text(stand_xml(text))
-    current = ROBOT.read_text() == text
-    sys.stdout.write(f"{ROBOT.name} is {'up to date' if current else 'not what this derives: run with --write'}\n")
-    return 0 if current else 1
+        print(f"{joint:18} I {gain.inertia:.5f} kg m2   kp {gain.kp:8g} N m/rad   kv {gain.kv:8g} N m s/rad")
+    robot = with_gains(ROBOT.read_text(), gains)
+    texts = {ROBOT: robot, STAND: stand_xml(robot)}
+    if "--write" in sys.argv[1:]:
+        for path, text in texts.items():
+            path.write_text(text)
+    stale = [path.name for path, text in texts.items() if path.read_text() != text]
+    print(f"{' and '.join(stale)}: not what this derives, run with --write" if stale else "both files are up to date")
+    return 1 if stale else 0
 
 
 if __name__ == "__main__":

@@ -1,29 +1,21 @@
 """Make stand.xml from hoap2.xml: the same robot, its torso a fixed part of a stand.
 
 MJCF has no way to include a body without its joint (`include` cannot drop it, `attach` must rename every element), so
-the file is made, not written: the robot's text minus its free joint, plus what stands around it. A test keeps the two
-together.
-
-    python -m models.hoap2.make_stand           # says whether stand.xml is up to date (exit 1 if not)
-    python -m models.hoap2.make_stand --write   # writes it
+the file is made, not written: the robot's text minus its free joint, plus what stands around it. `derive_gains` writes
+it; a test keeps the two together.
 """
-
-import sys
-from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
 from models.errors import BodyError
 from models.hoap2.facts import HOME_DEG, JOINTS
 
-FOLDER = Path(__file__).resolve().parent
 TORSO_HEIGHT = 0.45
 """m, waist axis above the floor; test_stand_reaches_nothing measures what is left below the feet and hands."""
 
 HEADER = """\
 <!-- HOAP-2 hung by its torso on a stand: 25 joints move, nothing touches anything. This is where it babbles.
-     Made from hoap2.xml by `python -m models.hoap2.make_stand --write`; change that file, not this one. -->
+     Made from hoap2.xml by `python -m models.hoap2.derive_gains --write`; change that file, not this one. -->
 <mujoco model="hoap2_stand">
   <option timestep="0.002" integrator="implicitfast">
     <flag contact="disable"/>
@@ -49,40 +41,26 @@ SURROUNDINGS = """\
 """
 
 
-def _replace(text: str, old: str, new: str) -> str:
-    if text.count(old) != 1:
-        raise BodyError(f"hoap2.xml: {old.strip()!r} stands there {text.count(old)} times; the stand needs it once")
-    return text.replace(old, new)
-
-
-def _posture(degrees: Mapping[str, float]) -> str:
-    return " ".join(f"{np.deg2rad(degrees.get(joint, 0.0)):.9g}" for joint in JOINTS)
-
-
 def stand_xml(robot: str) -> str:
-    """Text of stand.xml, from the text of hoap2.xml."""
-    head, mark, body = robot.partition('<mujoco model="hoap2">\n')
-    if not mark:
-        raise BodyError(f"hoap2.xml: no '<mujoco model=\"hoap2\">' in its first {len(head)} characters")
-    body = _replace(body, "  <worldbody>\n", "  <worldbody>\n" + SURROUNDINGS)
-    body = _replace(body, 'name="torso" pos="0 0 0.2905"', f'name="torso" pos="0 0 {TORSO_HEIGHT}"')
-    body = _replace(body, '      <freejoint name="root"/>\n', "")
-    keys = "".join(
-        f'    <key name="{name}" qpos="{posture}" ctrl="{posture}"/>\n'
-        for name, posture in (("home", _posture(HOME_DEG)), ("zero", _posture({})))
-    )
-    return HEADER + _replace(body, "</mujoco>", f"\n  <keyframe>\n{keys}  </keyframe>\n</mujoco>")
+    """Text of stand.xml, from the text of hoap2.xml.
 
-
-def main() -> int:
-    """Compare or write; the exit status says whether the file on disk is up to date."""
-    text, target = stand_xml((FOLDER / "hoap2.xml").read_text()), FOLDER / "stand.xml"
-    if "--write" in sys.argv[1:]:
-        target.write_text(text)
-    current = target.exists() and target.read_text() == text
-    sys.stdout.write(f"{target.name} is {'up to date' if current else 'not what hoap2.xml says: run with --write'}\n")
-    return 0 if current else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    Raises:
+        BodyError: a line that is to be changed does not stand there once.
+    """
+    postures = {"home": [np.deg2rad(HOME_DEG.get(joint, 0.0)) for joint in JOINTS], "zero": [0.0] * len(JOINTS)}
+    keys = ""
+    for name, posture in postures.items():
+        angles = " ".join(f"{angle:.9g}" for angle in posture)
+        keys += f'    <key name="{name}" qpos="{angles}" ctrl="{angles}"/>\n'
+    text = robot[max(robot.find("<mujoco"), 0) :]
+    for old, new in (
+        ('<mujoco model="hoap2">\n', HEADER),
+        ("  <worldbody>\n", "  <worldbody>\n" + SURROUNDINGS),
+        ('name="torso" pos="0 0 0.2905"', f'name="torso" pos="0 0 {TORSO_HEIGHT}"'),
+        ('      <freejoint name="root"/>\n', ""),
+        ("</mujoco>", f"\n  <keyframe>\n{keys}  </keyframe>\n</mujoco>"),
+    ):
+        if text.count(old) != 1:
+            raise BodyError(f"hoap2.xml: {old.strip()!r} stands there {text.count(old)} times; the stand needs it once")
+        text = text.replace(old, new)
+    return text
