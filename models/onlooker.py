@@ -7,29 +7,19 @@ import mujoco
 import numpy as np
 
 from models.arrays import FloatArray
-from models.biclops.room import CLOTHS, FACE_PREFIX, TEACHER
+from models.biclops.room import TEACHER, Ball
 from models.robots import ROBOTS, head_of
 from models.shapes import Part, parts
 
 _SCENERY = ("front_wall", "back_wall", "left_wall", "right_wall", "floor")
-_UNSEEN_GROUP = 5
-
-
-class BallShape(NamedTuple):
-    """A ball in the world."""
-
-    place: FloatArray
-    """(3,) m."""
-    radius: float
-    colour: FloatArray
-    """(3,) 0 to 1."""
 
 
 class Onlooked(NamedTuple):
     """T moments of a stage."""
 
     parts: list[Part]
-    balls: Mapping[str, BallShape]
+    balls: list[Ball]
+    """Where they hang in the world."""
     gaze: tuple[FloatArray, FloatArray]
     """(T, 3) middle between our eyes and (T, 3) where they look."""
     teacher_gaze: tuple[FloatArray, FloatArray] | None
@@ -50,33 +40,21 @@ def onlook(
     qpos[:, _columns(model, facts.motors)] = angles
     if teacher is not None:
         qpos[:, _columns(model, (f"{TEACHER}pan", f"{TEACHER}tilt"))] = teacher
-    shown = model.geom_group.copy()
-    cloths = [f"{TEACHER}{FACE_PREFIX}{cloth}" for cloth in CLOTHS]
-    for geom in range(model.ngeom):
-        name = model.geom(geom).name
-        mocap = model.body_mocapid[model.geom_bodyid[geom]] >= 0
-        if mocap or name in _SCENERY or (name in (*cloths, "table") and model.geom_rgba[geom][3] == 0):
-            model.geom_group[geom] = _UNSEEN_GROUP
-    try:
-        moving = parts(model, qpos)
-    finally:
-        model.geom_group[:] = shown
-    origin = np.array(facts.table)
-    shapes = {
-        name: BallShape(np.asarray(place) + origin, float(model.geom(name).size[0]), model.geom(name).rgba[:3].copy())
-        for name, place in balls.items()
-    }
-    theirs = (TEACHER + "left_eye", TEACHER + "right_eye")
+    hung = []
+    for name, place in balls.items():
+        geom, (x, y, z) = model.geom(name), np.asarray(place) + np.array(facts.table)
+        red, green, blue = geom.rgba[:3].tolist()
+        hung.append(Ball(name, (x, y, z), (red, green, blue), float(geom.size[0])))
     return Onlooked(
-        moving,
-        shapes,
+        parts(model, qpos, without=_SCENERY),
+        hung,
         _gazes(model, qpos, facts.eyes),
-        _gazes(model, qpos, theirs) if teacher is not None else None,
+        None if teacher is None else _gazes(model, qpos, (TEACHER + "left_eye", TEACHER + "right_eye")),
     )
 
 
 def _columns(model: mujoco.MjModel, joints: tuple[str, str]) -> list[int]:
-    return [int(model.jnt_qposadr[model.joint(joint).id]) for joint in joints]
+    return [int(model.joint(joint).qposadr[0]) for joint in joints]
 
 
 def _gazes(model: mujoco.MjModel, qpos: FloatArray, cameras: tuple[str, str]) -> tuple[FloatArray, FloatArray]:

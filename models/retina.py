@@ -6,8 +6,8 @@ An `Eye` turns physics into an image, `(height, width, 3)` bytes of red, green a
 u = j, v = i (columns to the right, rows downwards), so the optical axis meets the image at ((W - 1)/2, (H - 1)/2).
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -18,6 +18,8 @@ from models.errors import BodyError, unknown
 
 Image = npt.NDArray[np.uint8]
 """`(height, width, 3)` red, green, blue."""
+Levels = npt.NDArray[np.float32]
+"""The same in levels 0 to 255, not yet whole."""
 
 LARGEST_SIDE = 2048  # pixels; above this a mistyped number, not a retina
 SMALLEST_SIDE = 8
@@ -51,18 +53,6 @@ class RetinaOptions:
             raise BodyError(f"blur {self.blur}: a standard deviation in pixels, 0 to 20")
 
 
-class Eye(Protocol):
-    """One camera of one body."""
-
-    options: RetinaOptions
-    focal_px: float
-    """Focal length in pixels: (height/2) / tan(fovy/2)."""
-
-    def see(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> Image:
-        """The image at `data` (after `mj_forward` or `mj_step`). `rng` is needed when there is noise."""
-        ...
-
-
 def camera_id(model: mujoco.MjModel, name: str) -> int:
     """The camera called `name`; raises `BodyError` for a scene without it."""
     names = [model.camera(i).name for i in range(model.ncam)]
@@ -75,22 +65,38 @@ def camera_id(model: mujoco.MjModel, name: str) -> int:
     return names.index(name)
 
 
-def focal_length_px(model: mujoco.MjModel, camera: int, options: RetinaOptions) -> float:
-    """f = (height/2) / tan(fovy/2), in pixels."""
-    fovy_deg = float(model.cam_fovy[camera]) if options.fovy_deg is None else options.fovy_deg
-    return 0.5 * options.height / float(np.tan(np.deg2rad(fovy_deg) / 2.0))
+class Eye(ABC):
+    """One camera of one body.
 
+    Raises:
+        BodyError: a scene without a camera of this name.
+    """
 
-def degrade(colour: npt.NDArray[np.float32], options: RetinaOptions, rng: np.random.Generator | None) -> Image:
-    """Blur, then noise, then eight bits: the same for every renderer. `colour` is `(H, W, 3)` in levels
-    0..255."""
-    if options.blur > 0.0:
-        colour = ndimage.gaussian_filter(colour, (options.blur, options.blur, 0.0), mode="nearest", truncate=3.0)
-    if options.noise > 0.0:
-        if rng is None:
-            raise BodyError("a noisy retina needs a random generator: eye.see(data, rng)")
-        noise = rng.standard_normal(colour.shape, dtype=np.float32)
-        noise *= np.float32(255.0 * options.noise)
-        noise += colour
-        colour = np.clip(noise, 0.0, 255.0, out=noise)
-    return (colour + np.float32(0.5)).astype(np.uint8)
+    def __init__(self, model: mujoco.MjModel, camera: str, options: RetinaOptions) -> None:
+        self.options = options
+        self._model, self._camera = model, camera_id(model, camera)
+        fovy_deg = float(model.cam_fovy[self._camera]) if options.fovy_deg is None else options.fovy_deg
+        self.focal_px = 0.5 * options.height / float(np.tan(np.deg2rad(fovy_deg) / 2.0))
+        """Focal length in pixels: (height/2) / tan(fovy/2)."""
+
+    @abstractmethod
+    def _colour(self, data: mujoco.MjData) -> Levels:
+        """The noiseless, sharp image at `data`."""
+
+    def see(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> Image:
+        """The image at `data` (after `mj_forward` or `mj_step`): blur, then noise, then eight bits.
+
+        Raises:
+            BodyError: noise without an `rng`.
+        """
+        colour, options = self._colour(data), self.options
+        if options.blur > 0.0:
+            colour = ndimage.gaussian_filter(colour, (options.blur, options.blur, 0.0), mode="nearest", truncate=3.0)
+        if options.noise > 0.0:
+            if rng is None:
+                raise BodyError("a noisy retina needs a random generator: eye.see(data, rng)")
+            noise = rng.standard_normal(colour.shape, dtype=np.float32)
+            noise *= np.float32(255.0 * options.noise)
+            noise += colour
+            colour = np.clip(noise, 0.0, 255.0, out=noise)
+        return (colour + np.float32(0.5)).astype(np.uint8)

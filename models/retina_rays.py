@@ -22,9 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from models.arrays import BoolArray, FloatArray, IntArray
-from models.retina import Image, RetinaOptions, camera_id, degrade, focal_length_px
-
-Levels = npt.NDArray[np.float32]
+from models.retina import Eye, Levels, RetinaOptions
 
 BLOCK = 4  # pixels along a side; of 2, 4, 5 and 8 the quickest or nearly so at 160 x 120
 SAME_NORMAL = 0.97  # least cosine between the normals at a plain block's corners
@@ -42,10 +40,6 @@ _CONVEX = [
     mujoco.mjtGeom.mjGEOM_BOX,
 ]
 _CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-_UPPER_LEFT = (slice(None, -1), slice(None, -1))
-_UPPER_RIGHT = (slice(None, -1), slice(1, None))
-_LOWER_LEFT = (slice(1, None), slice(None, -1))
-_LOWER_RIGHT = (slice(1, None), slice(1, None))
 
 
 class Hits(NamedTuple):
@@ -77,7 +71,7 @@ class Lights(NamedTuple):
     """(geoms + 1, 3) levels in full light; the last row, geom -1, is the scene's haze."""
 
 
-class RayEye:
+class RayEye(Eye):
     """A pinhole camera by ray casting; see the module's text and `models.retina.Eye`.
 
     The geoms of the camera's own body are not seen (a lens does not see its own case). Colours are read from the model
@@ -85,10 +79,7 @@ class RayEye:
     """
 
     def __init__(self, model: mujoco.MjModel, camera: str, options: RetinaOptions) -> None:
-        self.options = options
-        self._model = model
-        self._camera = camera_id(model, camera)
-        self.focal_px = focal_length_px(model, self._camera, options)
+        super().__init__(model, camera, options)
         self._own_body = int(model.cam_bodyid[self._camera]) or -1  # a camera fixed to the world has no case
         self._convex = np.append(np.isin(model.geom_type, _CONVEX), True)  # the last is geom -1, nothing at all
         self._half = model.geom_aabb[:, 3:] + 1e-9
@@ -103,12 +94,7 @@ class RayEye:
         self._down = _hat(height, rows)
         self._across = np.ascontiguousarray(_hat(width, columns).T)
 
-    def see(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> Image:
-        """The image at `data`; see `models.retina.Eye`."""
-        return degrade(self._colour(data), self.options, rng)
-
     def _colour(self, data: mujoco.MjData) -> Levels:
-        """The noiseless image (height, width, 3), in levels 0..255."""
         height, width = self.options.height, self.options.width
         lights = self._lights(data)
         hits = self._cast(data, self._corner_rays.reshape(-1, 3))
@@ -166,9 +152,7 @@ class RayEye:
             else:
                 lamps.append((data.light_xpos[i].copy(), float(model.light_diffuse[i].mean())))
         rgb = model.geom_rgba[:, :3].copy()
-        painted = (model.geom_matid >= 0) & (rgb == 0.5).all(
-            axis=1
-        )  # MuJoCo's default colour gives way to a material's
+        painted = (model.geom_matid >= 0) & (rgb == 0.5).all(axis=1)  # MuJoCo's default gives way to a material's
         rgb[painted] = model.mat_rgba[model.geom_matid[painted], :3]
         colour = (255.0 * np.vstack([rgb, model.vis.rgba.haze[:3]])).astype(np.float32)
         origin = data.cam_xpos[self._camera]
@@ -177,16 +161,18 @@ class RayEye:
     def _plain_blocks(self, data: mujoco.MjData, hits: Hits) -> BoolArray:
         """Which blocks (rows, columns) certainly show one convex geom, or nothing, and no other geom."""
         ids = hits.geom.reshape(self._grid)
-        shown = ids[_UPPER_LEFT]
-        unit = hits.normal.reshape(*self._grid, 3)
+        shown, normal = ids[:-1, :-1], hits.normal.reshape(*self._grid, 3)
+        unit = normal[:-1, :-1]
         same = self._convex[shown]
-        for corner in (_UPPER_RIGHT, _LOWER_LEFT, _LOWER_RIGHT):
-            cosine = np.einsum("ijk,ijk->ij", unit[_UPPER_LEFT], unit[corner])
+        for corner in np.s_[:-1, 1:], np.s_[1:, :-1], np.s_[1:, 1:]:
+            cosine = np.einsum("ijk,ijk->ij", unit, normal[corner])
             same &= (shown == ids[corner]) & ((cosine >= SAME_NORMAL) | (shown < 0))
 
-        other = self._candidates()
+        model = self._model
+        visible = (VISIBLE_GROUPS[np.clip(model.geom_group, 0, 5)] == 1) & (model.geom_bodyid != self._own_body)
+        other = np.flatnonzero(visible & ((model.geom_matid >= 0) | (model.geom_rgba[:, 3] > 0.0)))
         rotation = data.geom_xmat[other].reshape(-1, 3, 3)
-        centre = data.geom_xpos[other] + np.einsum("gij,gj->gi", rotation, self._model.geom_aabb[other, :3])
+        centre = data.geom_xpos[other] + np.einsum("gij,gj->gi", rotation, model.geom_aabb[other, :3])
         half = self._half[other]
         overlap = self._overlap(data, rotation, centre, half)
         in_view = overlap.any(axis=(1, 2))
@@ -220,12 +206,6 @@ class RayEye:
         rows = _touches(-seen[:, :, 1], depth, -self._corner_rays[:, 0, 1])
         return np.asarray((unbounded | (ahead & rows))[:, :, None] & (unbounded | columns)[:, None, :])
 
-    def _candidates(self) -> npt.NDArray[np.intp]:
-        """Geoms that rays can hit."""
-        model = self._model
-        visible = (VISIBLE_GROUPS[np.clip(model.geom_group, 0, 5)] == 1) & (model.geom_bodyid != self._own_body)
-        return np.flatnonzero(visible & ((model.geom_matid >= 0) | (model.geom_rgba[:, 3] > 0.0)))
-
 
 def _shade(hits: Hits, lights: Lights) -> Levels:
     """Levels (n, 3) of what was hit."""
@@ -257,12 +237,9 @@ def _hat(pixels: int, blocks: int) -> Levels:
 def _edges(image: Levels) -> BoolArray:
     """Pixels (height, width) that differ visibly from one of their four neighbours."""
     edge = np.zeros(image.shape[:2], bool)
-    for channel in range(3):
-        level = np.ascontiguousarray(image[:, :, channel])
-        down = np.abs(level[1:] - level[:-1]) > EDGE_LEVELS
-        right = np.abs(level[:, 1:] - level[:, :-1]) > EDGE_LEVELS
-        edge[1:] |= down
-        edge[:-1] |= down
-        edge[:, 1:] |= right
-        edge[:, :-1] |= right
+    for level in np.ascontiguousarray(np.moveaxis(image, 2, 0)):
+        for side, along in ((edge, level), (edge.T, level.T)):
+            differs = np.abs(along[1:] - along[:-1]) > EDGE_LEVELS
+            side[1:] |= differs
+            side[:-1] |= differs
     return edge

@@ -1,6 +1,7 @@
 """What a body looks like: its visible shapes, and where they are in each configuration. For pictures, not for minds."""
 
-from typing import Literal, NamedTuple
+from collections.abc import Collection
+from typing import Literal, NamedTuple, get_args
 
 import mujoco
 import numpy as np
@@ -9,13 +10,7 @@ from models.arrays import FloatArray
 
 Kind = Literal["box", "capsule", "sphere", "cylinder", "ellipsoid"]
 
-KINDS: dict[int, Kind] = {
-    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): "ellipsoid",
-}
+KINDS: dict[int, Kind] = {int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind.upper()}")): kind for kind in get_args(Kind)}
 """Shapes that can be drawn; others (meshes, planes) are left out."""
 VISIBLE_GROUPS = 3
 """MuJoCo draws geom groups 0 to 2."""
@@ -50,8 +45,11 @@ class Part(NamedTuple):
     shapes: tuple[Shape, ...]
 
 
-def parts(model: mujoco.MjModel, configurations: FloatArray) -> list[Part]:
-    """The visible parts of a compiled model in each of (T, nq) configurations."""
+def parts(model: mujoco.MjModel, configurations: FloatArray, without: Collection[str] = ()) -> list[Part]:
+    """The visible parts of a compiled model in each of (T, nq) configurations, `without` the geoms of these names.
+
+    Left out is also what a configuration does not place: mocap bodies.
+    """
     data = mujoco.MjData(model)
     count = len(configurations)
     positions, turns = np.empty((count, model.nbody, 3)), np.empty((count, model.nbody, 4))
@@ -61,8 +59,10 @@ def parts(model: mujoco.MjModel, configurations: FloatArray) -> list[Part]:
         positions[t], turns[t] = data.xpos, data.xquat[:, [1, 2, 3, 0]]
     shapes: dict[int, list[Shape]] = {}
     for geom in range(model.ngeom):
-        if model.geom_group[geom] < VISIBLE_GROUPS and int(model.geom_type[geom]) in KINDS:
-            shapes.setdefault(int(model.geom_bodyid[geom]), []).append(_shape(model, geom))
+        body, kind = int(model.geom_bodyid[geom]), int(model.geom_type[geom])
+        visible = model.geom_group[geom] < VISIBLE_GROUPS and model.geom_rgba[geom, 3] > 0
+        if visible and kind in KINDS and model.body_mocapid[body] < 0 and model.geom(geom).name not in without:
+            shapes.setdefault(body, []).append(_shape(model, geom))
     return [
         Part(
             name=model.body(body).name or str(body),

@@ -115,12 +115,12 @@ def log_balls(
 def log_stage(stream: rr.RecordingStream, seen: Onlooked, tick_s: float) -> None:
     """The robot, the teacher, the table, balls and gazes, under /world."""
     log_body(stream, "world", seen.parts, tick_s)
-    for name, ball in seen.balls.items():
+    for ball in seen.balls:
         shape = rr.Ellipsoids3D(
-            half_sizes=[np.repeat(ball.radius, 3)], centers=[ball.place], fill_mode="solid",
-            colors=[tuple(int(255 * c) for c in ball.colour)],
+            half_sizes=[np.repeat(ball.radius, 3)], centers=[ball.position], fill_mode="solid",
+            colors=[tuple(int(255 * c) for c in ball.rgb)],
         )  # fmt: skip
-        stream.log(f"world/balls/{name}", shape, static=True)
+        stream.log(f"world/balls/{ball.name}", shape, static=True)
     log_ray(stream, "world/gaze/ours", *seen.gaze, tick_s, IMITATED)
     if seen.teacher_gaze is not None:
         log_ray(stream, "world/gaze/teacher", *seen.teacher_gaze, tick_s, DEMONSTRATED)
