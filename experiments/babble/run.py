@@ -10,7 +10,7 @@ from experiments.gesture.figures import babbling_curve
 from experiments.gesture.run import curve_metrics
 from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
-from experiments.shared.experiment import as_json, check_out, publish, try_writing
+from experiments.shared.experiment import as_json, check_out, publish, writing
 from experiments.shared.minds import learn_mind, save_learned
 from experiments.shared.progress import progress
 from experiments.shared.tables import show, table
@@ -56,7 +56,7 @@ def check_file(out: Path) -> None:
     Raises:
         ExperimentError: a directory, another kind of file, a place that cannot be written, or strangers beside it.
     """
-    try:
+    with writing(out, "file"):
         if out.is_dir():
             raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'hoap2.nc'}")
         if out.suffix != ".nc":
@@ -64,15 +64,8 @@ def check_file(out: Path) -> None:
         if out.exists():
             if not is_kind(out, Mind):
                 raise ExperimentError(f"{out}: this is no forward model and would be lost; choose another name")
-        elif taken := [p for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]:
-            raise ExperimentError(
-                f"--out {out}: {taken[0].name} is there already and would be lost; choose another name"
-            )
-        try_writing(next(p for p in out.absolute().resolve().parents if p.exists()))
-    except OSError as error:
-        raise ExperimentError(
-            f"--out {out}: cannot be written ({error.strerror or error}); name a file that can"
-        ) from error
+        elif taken := [p.name for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]:
+            raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
 
 
 def with_eyes(config: Config) -> None:

@@ -20,7 +20,7 @@ from experiments.correspondence.recording import record
 from experiments.shared import minds
 from experiments.shared.experiment import Result
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Eyes, Pupil, image_of, look_into_mirror
+from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import retarget
 from experiments.shared.progress import progress
@@ -46,7 +46,7 @@ def run(config: Config) -> Result:
     else:
         found = pilot(body_of(options, minds.COPIES), config.seed)
     with progress("looks into a mirror") as report:
-        experience = look_into_mirror(options, found, Eyes(0.0, config.mirror_minutes), report)
+        experience = look_into_mirror(options, found, config.mirror_minutes, report=report)
     blurry = blur(experience, config)
     clean, noisy = (
         Pupil(body, found, image_of(one, options, found), noise)

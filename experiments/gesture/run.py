@@ -14,7 +14,7 @@ from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
-from experiments.shared.mirrors import Eyes, Pupil, correspondence_metrics, seen_in_mirror, take_image
+from experiments.shared.mirrors import Pupil, correspondence_metrics, seen_in_mirror, take_image
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, retarget_metrics, watch
@@ -27,7 +27,7 @@ from models.body import SimulatedBody
 def run(config: Config) -> Result:
     """Watch, babble, imitate, measure."""
     config.check()
-    eyes = Eyes(config.seeing_noise_deg, config.mirror_minutes)
+    noise_deg = config.seeing_noise_deg
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
     seen = watch(config.demonstration, body, config.motion)
@@ -37,9 +37,9 @@ def run(config: Config) -> Result:
     mind = learned.mind
     if config.correspondence == "learned" and seen.performance is not None:
         with progress(f"{config.robot} looks into a mirror") as report:
-            image, cost = take_image(config.body_image, config, mind.pilot, eyes, report)
+            image, cost = take_image(config.body_image, config, mind.pilot, config.mirror_minutes, noise_deg, report)
         learned.metrics.update(cost)
-        pupil = Pupil(body, mind.pilot, image, config.seeing_noise_deg)
+        pupil = Pupil(body, mind.pilot, image, noise_deg)
         seen = seen_in_mirror(seen, pupil.follow(seen.performance, np.random.default_rng([config.seed, 10])), body)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     attempts = imitate(

@@ -9,7 +9,8 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -54,11 +55,9 @@ def publish(name: str, config: Options, result: Result) -> Path:
     shown = folder(name, config)
     out = shown.resolve()
     check_out(shown)
-    try:
+    with writing(shown):
         out.parent.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
-    except OSError as error:
-        raise ExperimentError(f"--out {shown}: cannot be written ({error.strerror}); name a folder that can") from error
     try:
         beside.chmod(0o755)
         (beside / "metrics.json").write_text(as_json(result.metrics))
@@ -87,7 +86,7 @@ def check_out(out: Path) -> None:
     Raises:
         ExperimentError: see `publish`.
     """
-    try:
+    with writing(out):
         if out.exists() and not out.is_dir():
             raise ExperimentError(f"--out {out}: this is a file; name a folder")
         if out.exists() and os.path.ismount(out):
@@ -97,21 +96,23 @@ def check_out(out: Path) -> None:
             raise ExperimentError(
                 f"--out {out}: this folder holds other things than a result ({strangers[0]!r}); name another"
             )
-        parents = [*out.absolute().resolve().parents]
-        try_writing(next(p for p in parents if p.exists()))
-    except OSError as error:
-        raise ExperimentError(
-            f"--out {out}: cannot be written ({error.strerror or error}); name a folder that can"
-        ) from error
 
 
-def try_writing(place: Path) -> None:
-    """Make and remove an empty folder there: permissions alone do not tell what can be written.
+@contextmanager
+def writing(out: Path, kind: str = "folder") -> Iterator[None]:
+    """A block after which something is written to `out`; permissions alone do not tell whether that will do, so the
+    nearest folder above it is tried with an empty one.
 
     Raises:
-        OSError: it cannot be done.
+        ExperimentError: it cannot be written.
     """
-    os.rmdir(tempfile.mkdtemp(prefix=".imitate-", dir=place))
+    try:
+        yield
+        above = next(place for place in out.absolute().resolve().parents if place.exists())
+        os.rmdir(tempfile.mkdtemp(prefix=".imitate-", dir=above))
+    except OSError as error:
+        why = error.strerror or error
+        raise ExperimentError(f"--out {out}: cannot be written ({why}); name a {kind} that can") from error
 
 
 def _strangers(out: Path) -> list[str]:

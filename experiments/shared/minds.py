@@ -95,7 +95,6 @@ def learn_mind(
     report: Callable[[float], None],
     *,
     checkpoint: Path | None = None,
-    curve_every: int = 1,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 
@@ -105,7 +104,6 @@ def learn_mind(
         report: progress, 0 to 1.
         checkpoint: where to keep what was learned so far after every bout; an interrupted babble goes on from there and
             ends with the same mind.
-        curve_every: bouts between two points of the learning curve.
     """
     body = body_of(options, COPIES)
     plan = bouts(minutes, body)
@@ -122,8 +120,7 @@ def learn_mind(
     def after_bout(done: int, model: ForwardModel) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
-        if done % curve_every == 0 or done == len(plan):
-            held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
+        held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
         if checkpoint is not None and done < len(plan):
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
             save(Interrupted(mind, minutes, options.sensor_noise_deg, done), checkpoint)

@@ -16,7 +16,7 @@ from babbling.organs import find_organs
 from babbling.pilot import Pilot
 from experiments.errors import ExperimentError
 from experiments.shared.minds import body_of
-from experiments.shared.options import MIRROR_MINUTES, BodyOptions
+from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, at_ticks
 from experiments.shared.watching import Seen
 from imitation.acting.movement import Movement
@@ -28,21 +28,17 @@ from models.teachers.performance import Performance
 COPIES = 64
 
 
-@dataclass(frozen=True)
-class Eyes:
-    """How well one sees, and how long one looks into the mirror."""
-
-    noise_deg: float = 0.0
-    minutes: float = MIRROR_MINUTES
-
-
 def look_into_mirror(
-    options: BodyOptions, pilot: Pilot, eyes: Eyes, report: Callable[[float], None] = lambda share: None
+    options: BodyOptions,
+    pilot: Pilot,
+    minutes: float,
+    noise_deg: float = 0.0,
+    report: Callable[[float], None] = lambda share: None,
 ) -> MirrorExperience:
-    """Babble in front of the mirror."""
+    """Babble in front of the mirror; what is seen there is off by `noise_deg` across the line of sight."""
     body = body_of(options, COPIES, stream=11)
-    mirror = Mirror(body, float(np.deg2rad(eyes.noise_deg)), options.seed)
-    return mirror_babble(body, mirror, pilot.schema, pilot.motors, eyes.minutes, options.seed, report)
+    mirror = Mirror(body, float(np.deg2rad(noise_deg)), options.seed)
+    return mirror_babble(body, mirror, pilot.schema, pilot.motors, minutes, options.seed, report)
 
 
 def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -> BodyImage:
@@ -56,7 +52,12 @@ def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -
 
 
 def take_image(
-    path: Path | None, options: BodyOptions, pilot: Pilot, eyes: Eyes, report: Callable[[float], None]
+    path: Path | None,
+    options: BodyOptions,
+    pilot: Pilot,
+    minutes: float,
+    noise_deg: float,
+    report: Callable[[float], None],
 ) -> tuple[BodyImage, dict[str, Any]]:
     """A body image from a file, or learned now; and what it cost."""
     if path is not None:
@@ -64,7 +65,7 @@ def take_image(
         image.check(body_of(options, 1))
         return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": 0.0}
     started = time.perf_counter()
-    image = image_of(look_into_mirror(options, pilot, eyes, report), options, pilot)
+    image = image_of(look_into_mirror(options, pilot, minutes, noise_deg, report), options, pilot)
     return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": time.perf_counter() - started}
 
 

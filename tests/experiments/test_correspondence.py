@@ -18,7 +18,7 @@ from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Eyes, Pupil, image_of, look_into_mirror
+from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, retarget
 from models.body import SimulatedBody
@@ -59,7 +59,7 @@ def found() -> dict[int | None, Pilot]:
 
 def through(pilot: Pilot, scramble: int | None, noise_deg: float, seen: Performance) -> tuple[Retargeted, Retargeted]:
     options = BodyOptions(scramble=scramble)
-    image = image_of(look_into_mirror(options, pilot, Eyes(noise_deg, 5.0)), options, pilot)
+    image = image_of(look_into_mirror(options, pilot, 5.0, noise_deg), options, pilot)
     body, oracle = body_of(options, 1), retarget(seen)
     return Pupil(body, pilot, image, noise_deg).follow(seen, np.random.default_rng(0)), oracle
 
@@ -108,7 +108,7 @@ def test_size_heading_and_walking_away_change_nothing(
     grown = changed(upright, scale, np.zeros(1), np.zeros((1, 3)))
     one = perform("one", "talos", trajectory.time, poses, upright)
     two = perform("two", "talos", trajectory.time, other, grown)
-    image = image_of(look_into_mirror(BodyOptions(), found[None], Eyes(0.0, 3.0)), BodyOptions(), found[None])
+    image = image_of(look_into_mirror(BodyOptions(), found[None], 3.0), BodyOptions(), found[None])
     body = body_of(BodyOptions(), 1)
     a, b = (Pupil(body, found[None], image).follow(seen, np.random.default_rng(0)) for seen in (one, two))
     np.testing.assert_allclose(a.angles, b.angles, atol=np.deg2rad(0.05))
