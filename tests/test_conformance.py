@@ -143,6 +143,19 @@ def test_the_list_shows_everything_and_waits_for_no_physics() -> None:
     assert [line.split()[0] for line in shown[:-1]] == list(EXPERIMENTS)
 
 
+def test_options_are_known_and_checked_without_physics_and_figures() -> None:
+    code = (
+        "import sys; from experiments.registry import EXPERIMENTS\n"
+        "for one in EXPERIMENTS.values(): one.options()().check()\n"
+        "heavy = {'mujoco', 'pinocchio', 'dm_control', 'scipy', 'h5py', 'rerun', 'matplotlib'}\n"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    shown = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
+    )
+    assert shown.stdout == "[]\n"
+
+
 def test_a_wrong_name_is_exit_2_and_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["gestrue"]) == 2
     shown = capsys.readouterr()
