@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arrays import FloatArray
-from models.errors import BodyError
+from models.errors import BodyError, unknown
 from models.senses import Channel, Senses, sensor_channels
 from models.wear import Wear
 from models.wiring import Wiring
@@ -32,12 +32,13 @@ class SimulatedBody:
         noise: standard deviation of the angle sense, rad. The speed sense gets sqrt(2) noise / tick_s, as if the
             drive differenced two such readings.
         wear: worn gears.
+        motors: joints whose motors it has, in that order; none named is all. The rest holds still at home.
         sensors: names of the model's <sensor> elements that are felt too; see `models.senses.sensor_channels`.
         scramble: seed of an unknown wiring, or None for straight.
         seed: randomness of the sensor noise.
 
     Raises:
-        BodyError: a control tick that is no whole number of physics steps, or a sensor that the model does not have.
+        BodyError: a control tick that is no whole number of physics steps, or a motor or sensor that the model lacks.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class SimulatedBody:
         home: str | None = None,
         noise: float = 0.0,
         wear: Wear | None = None,
+        motors: Sequence[str] = (),
         sensors: Sequence[str] = (),
         scramble: int | None = None,
         seed: int = 0,
@@ -66,11 +68,16 @@ class SimulatedBody:
             )
         self.model = model
         model.dof_frictionloss[:] *= self.wear.friction_factor
-        joints = model.actuator_trnid[:, 0]
-        self.joints = tuple(model.joint(j).name or f"joint {j}" for j in joints)
+        names = [model.joint(j).name or f"joint {j}" for j in model.actuator_trnid[:, 0]]
+        for motor in motors:
+            if motor not in names:
+                raise BodyError(unknown("joint with a motor", motor, names))
+        self.joints = tuple(motors or names)
+        self._servos = np.array([names.index(joint) for joint in self.joints])
+        joints = model.actuator_trnid[self._servos, 0]
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self.joint_range: FloatArray = model.jnt_range[joints].copy()
-        control: FloatArray = model.actuator_ctrlrange.copy()
+        control: FloatArray = model.actuator_ctrlrange[self._servos]
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
         self._key = model.key(home).id if home else -1
         low, high = self.joint_range.T
@@ -84,19 +91,19 @@ class SimulatedBody:
             ),
             *(channel for channel, _ in self._sensors),
         )
-        motors, count = model.nu, len(Senses(channels))
-        self.wiring = Wiring.straight(motors, count) if scramble is None else Wiring.scrambled(motors, count, scramble)
+        count, felt = len(self.joints), len(Senses(channels))
+        self.wiring = Wiring.straight(count, felt) if scramble is None else Wiring.scrambled(count, felt, scramble)
         self.senses = Senses(channels, self.wiring.sense)
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self.sense_labels = self.senses.labels  # for people only
         self.motor_labels = tuple(self.joints[j] for j in np.argsort(self.wiring.motor))
-        self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
+        self.motor_low, self.motor_high = -np.ones(count), np.ones(count)
         self.batch = mujoco.batch.Batch(model, copies, threads)
-        self._played = np.zeros((copies, motors))
+        self._played = np.zeros((copies, count))
         self._seed = seed
         self.reseed(0)
         self.time = 0.0
-        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s, sensors)
+        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s, (*motors, *sensors))
         self.reset()
 
     @property
@@ -112,10 +119,11 @@ class SimulatedBody:
         """All copies to the rest posture, their servos holding it; returns (B, S) sensations."""
         self.batch.reset(keyframe=self._key)
         if self._key < 0:
-            self.batch.ctrl[:] = np.clip(self.joint_angles, self._centre - self._half, self._centre + self._half)
+            resting = self.batch.qpos[:, self.model.jnt_qposadr[self.model.actuator_trnid[:, 0]]]
+            self.batch.ctrl[:] = np.clip(resting, *self.model.actuator_ctrlrange.T)
         if self._sensors:
             self.batch.forward()
-        self._played[:] = self.batch.ctrl
+        self._played[:] = self.batch.ctrl[:, self._servos]
         self.time = 0.0
         return self._feel()
 
@@ -130,7 +138,7 @@ class SimulatedBody:
         command = self.commands(np.asarray(motors, float))
         play = self.wear.backlash / 2
         np.clip(self._played, command - play, command + play, out=self._played)
-        self.batch.ctrl[:] = self._played
+        self.batch.ctrl[:, self._servos] = self._played
         warnings = self.batch.warning[..., 1].copy()
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
@@ -188,7 +196,7 @@ class SimulatedBody:
         An explicit step of dt is stable while kp dt^2 / inertia < 4; MuJoCo names the first joint that went wrong,
         and one servo that is too stiff shakes them all.
         """
-        stiffness = self.model.actuator_gainprm[:, 0] * self.model.dof_invweight0[self._dof]
+        stiffness = self.model.actuator_gainprm[self._servos, 0] * self.model.dof_invweight0[self._dof]
         stiffness = stiffness * self.model.opt.timestep**2
         if stiffness.max() > 1 or not warnings.any():
             return self.joints[int(np.argmax(stiffness))]
@@ -210,14 +218,14 @@ def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
     return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])
 
 
-def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float, sensors: Sequence[str]) -> str:
+def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float, parts: Sequence[str]) -> str:
     digest = hashlib.sha256()
     for part in (
         model.names, model.body_parentid, model.body_pos, model.body_quat, model.body_mass, model.body_inertia,
         model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
         model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
-        np.array([wear.backlash, tick_s, model.opt.timestep]), "\n".join(sensors).encode(),
+        np.array([wear.backlash, tick_s, model.opt.timestep]), "\n".join(parts).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

@@ -5,7 +5,6 @@ long as a saccade gives a body that jumps from view to view; a tick of a video f
 image becomes positions is given from outside (`perceive`): a body has retinas, seeing is the mind's.
 """
 
-import hashlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -20,7 +19,6 @@ from models.biclops.profile import profile
 from models.biclops.room import TEACHER
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.part import PartOfBody
 from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
 from models.robots import ROBOTS, head_of
@@ -86,18 +84,18 @@ class SeeingBody:
         self._inner = round(tick_s / INNER_S)
         if self._inner < 1 or abs(self._inner * INNER_S - tick_s) > 1e-9:
             raise BodyError(f"a tick of {tick_s:g} s: it must be a whole number of {INNER_S:g} s")
-        self.whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=home)
-        self.head = PartOfBody(self.whole, self.facts.motors)
-        self._lines = [self.whole.joints.index(name) for name in self.facts.motors]
-        self._teacher = [self.whole.joints.index(name) for name in TEACHER_MOTORS if name in self.whole.joints]
+        teacher = TEACHER_MOTORS if {model.joint(j).name for j in range(model.njnt)}.issuperset(TEACHER_MOTORS) else ()
+        self.heads = SimulatedBody(
+            model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=home, motors=self.facts.motors + teacher
+        )
         self.eyes = [open_eye(model, eye, self.retina, renderer) for eye in self.facts.eyes]
         self._data, self.model = mujoco.MjData(model), model
         self.rest = np.asarray(self.facts.rest if rest is None else rest, float)
-        self.motor_low, self.motor_high = self.head.motor_low, self.head.motor_high
+        self.motor_low, self.motor_high = self.heads.motor_low[:2], self.heads.motor_high[:2]
         width, height, eyes, things = self.retina.width, self.retina.height, ("left", "right"), perceive.labels
         size, most = (width - 1.0, height - 1.0), float(width * height)
         channels = [
-            replace(self.head.senses["angle"], labels=("pan", "tilt")),
+            replace(self.heads.senses["angle"].only(self.facts.motors), labels=("pan", "tilt")),
             Channel("place", "image position", "px", things, 0.0, size, (eyes, ("u", "v"))),
             Channel("area", "area", "px^2", things, 0.0, most, (eyes,), suffix="area"),
         ]
@@ -110,30 +108,30 @@ class SeeingBody:
         self.images: list[tuple[Image, Image]] = []
         """What the eyes of each copy saw last."""
         self._rng = np.random.default_rng([seed, 0xE7E])
-        self._angles = np.zeros((copies, len(self.whole.joints)))
+        self._angles = np.zeros((copies, len(self.heads.joints)))
         self._velocity = np.zeros((copies, 2))
 
     @property
     def copies(self) -> int:
         """B, how many heads there are."""
-        return self.whole.copies
+        return self.heads.copies
 
     @property
     def joint_angles(self) -> FloatArray:
         """(B, 2) true pan and tilt; for those who judge."""
-        return self.head.joint_angles
+        return self.heads.joint_angles[:, :2]
 
     @property
     def teacher_angles(self) -> FloatArray:
         """(B, 2) the teacher's true pan and tilt; for those who judge."""
-        return self.whole.joint_angles[:, self._teacher]
+        return self.heads.joint_angles[:, 2:]
 
     def place(self, ball: str, positions: FloatArray) -> None:
         """Put a ball (or the card) at (B, 3) or (3,) places of the table's frame, seen from the next look on."""
         body = int(self.model.body(ball).mocapid[0])
         if body < 0:
             raise BodyError(f"{ball!r} cannot be moved: it is no ball and no card")
-        self.whole.batch.mocap_pos[:, body] = np.asarray(positions) + np.array(self.facts.table)
+        self.heads.batch.mocap_pos[:, body] = np.asarray(positions) + np.array(self.facts.table)
 
     def whereabouts(self, shapes: Sequence[str]) -> FloatArray:
         """(K, 3) m where these shapes of copy 0 are, in the table's frame; for stage directions."""
@@ -143,19 +141,18 @@ class SeeingBody:
     def reset(self) -> FloatArray:
         """All heads to rest; (B, S) sensations. Balls stay; pixel noise starts over."""
         self._rng = np.random.default_rng([self.seed, 0xE7E])
-        places = np.array(self.whole.batch.mocap_pos)
-        self.whole.reset()
-        self.whole.batch.mocap_pos[:] = places
-        self._angles = self.whole.joint_angles.copy()
-        self._angles[:, self._lines] = self.rest
+        places = np.array(self.heads.batch.mocap_pos)
+        self.heads.reset()
+        self.heads.batch.mocap_pos[:] = places
+        self._angles = self.heads.joint_angles.copy()
+        self._angles[:, :2] = self.rest
         self.time = 0.0
         if self.teacher_path is not None:
-            self._angles[:, self._teacher] = self.teacher_path(0.0)
-        qpos = self.whole.batch.qpos
-        qpos[:, self.model.jnt_qposadr[self.model.actuator_trnid[:, 0]]] = self._angles
+            self._angles[:, 2:] = self.teacher_path(0.0)
+        self.heads.batch.qpos[:] = self.heads.configurations(self._angles)
         self._velocity[:] = 0.0
         for _ in range(5):
-            felt = self.whole.act(self.whole.command_angles(self._angles))
+            felt = self.heads.act(self.heads.command_angles(self._angles))
         return self._look(felt)
 
     def act(self, motors: FloatArray, *, look: bool = True) -> FloatArray:
@@ -163,18 +160,19 @@ class SeeingBody:
         target = self._targets(motors)
         for _ in range(self._inner):
             self.time += INNER_S
-            now = self._angles[:, self._lines]
-            self._angles[:, self._lines], self._velocity = profile(
-                now, self._velocity, target, self.facts.max_speed, self.facts.max_acceleration, INNER_S
+            self._angles[:, :2], self._velocity = profile(
+                self._angles[:, :2], self._velocity, target, self.facts.max_speed, self.facts.max_acceleration, INNER_S
             )
             if self.teacher_path is not None:
-                self._angles[:, self._teacher] = self.teacher_path(self.time)
-            felt = self.whole.act(self.whole.command_angles(self._angles))
+                self._angles[:, 2:] = self.teacher_path(self.time)
+            felt = self.heads.act(self.heads.command_angles(self._angles))
         return self._look(felt, shut=not look)
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines (B, 2) that command pan and tilt (B, 2), for baselines and stage directions."""
-        return self.head.command_angles(angles)
+        full = np.zeros((*np.shape(angles)[:-1], len(self.heads.joints)))
+        full[..., :2] = angles
+        return self.heads.command_angles(full)[..., :2]
 
     def images_per_second(self, looks: int = 60) -> float:
         """How quickly one core makes images of what copy 0's left eye sees (processor time, the best of three)."""
@@ -189,8 +187,8 @@ class SeeingBody:
 
     def _view(self, copy: int) -> mujoco.MjData:
         data = self._data
-        data.qpos[:] = self.whole.batch.qpos[copy]
-        data.mocap_pos[:] = self.whole.batch.mocap_pos[copy]
+        data.qpos[:] = self.heads.batch.qpos[copy]
+        data.mocap_pos[:] = self.heads.batch.mocap_pos[copy]
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_camlight(self.model, data)
         return data
@@ -198,12 +196,12 @@ class SeeingBody:
     def _targets(self, motors: FloatArray) -> FloatArray:
         if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
             raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
-        lines = np.zeros((self.copies, len(self.whole.joints)))
-        lines[:, self._lines] = motors
-        return self.whole.commands(lines)[:, self._lines]
+        lines = np.zeros(self._angles.shape)
+        lines[:, :2] = motors
+        return self.heads.commands(lines)[:, :2]
 
     def _look(self, felt: FloatArray, shut: bool = False) -> FloatArray:
-        readings = {"angle": self.whole.senses.read(felt, "angle", self.facts.motors)}
+        readings = {"angle": self.heads.senses.read(felt, "angle", self.facts.motors)}
         if shut:
             return self.senses.vector(readings)
         self.images = []
@@ -226,13 +224,12 @@ def still(pose: FloatArray) -> Callable[[float], FloatArray]:
 @lru_cache(maxsize=len(ROBOTS))
 def head_fingerprint(robot: str) -> str:
     """Of the robot and its head alone, whatever it looks at."""
-    body = watching_body(robot)
-    return hashlib.sha256(f"{body.fingerprint} {head_of(robot).motors}".encode()).hexdigest()[:16]
+    return watching_body(robot).fingerprint
 
 
-def watching_body(robot: str, *, copies: int = 1) -> PartOfBody:
+def watching_body(robot: str, *, copies: int = 1) -> SimulatedBody:
     """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
-    head, one = head_of(robot), ROBOTS[robot]
-    model = mujoco.MjModel.from_xml_path(str(one.path))
-    whole = SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=one.home)
-    return PartOfBody(whole, head.motors)
+    one, model = ROBOTS[robot], mujoco.MjModel.from_xml_path(str(ROBOTS[robot].path))
+    return SimulatedBody(
+        model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=one.home, motors=head_of(robot).motors
+    )

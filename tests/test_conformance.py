@@ -47,7 +47,6 @@ from models.errors import BodyError
 from models.loading import load_body
 from models.maze import MazeBody, parse_maze
 from models.motion import FORMATS, read_motion
-from models.part import PartOfBody
 from models.robots import ROBOTS
 from models.seeing_body import SeeingBody, watching_body
 from models.teachers import robots as teaching
@@ -193,7 +192,7 @@ def test_a_body_is_numbers_and_ranges(name: str) -> None:
         assert vector.shape == (size,) and vector.dtype == np.float64 and np.isfinite(vector).all()
     assert (body.motor_low < body.motor_high).all() and (low < high).all()
     moves = np.random.default_rng(5).uniform(body.motor_low, body.motor_high, (40, 2, motors))
-    if isinstance(body, SimulatedBody | PartOfBody):  # servos that are not asked to jump
+    if isinstance(body, SimulatedBody):  # servos that are not asked to jump
         moves = body.command_angles(body.joint_angles) + np.cumsum(0.005 * moves, 0)
     elif isinstance(body, SeeingBody):
         moves *= 0.2
@@ -204,7 +203,7 @@ def test_a_body_is_numbers_and_ranges(name: str) -> None:
         assert before.shape == (2, senses) and before.dtype == np.float64
         np.testing.assert_array_equal(before, after)
         assert not np.shares_memory(before, again)
-    noise = np.sqrt(2) * NOISE / body.tick_s if isinstance(body, SimulatedBody) else 0.0  # of a speed, the largest
+    noise = float(np.max(body.senses["speed"].noise)) if isinstance(body, SimulatedBody) else 0.0  # the largest
     np.testing.assert_allclose(again, felt[0], rtol=0, atol=12 * noise)
     values, slack = np.array(felt).reshape(-1, senses), 0.01 * (high - low) + 6 * noise
     there = np.isfinite(values)

@@ -21,7 +21,6 @@ from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from imitation.acting.rehearsal import rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
-from models.part import PartOfBody
 
 COPIES = 64
 BARE_TICKS = 100
@@ -60,7 +59,7 @@ class Interrupted:
     bouts_done: Annotated[int, Numbers(low=0)]
 
 
-def people_say(body: SimulatedBody | PartOfBody) -> Mapping[str, Sequence[str]]:
+def people_say(body: SimulatedBody) -> Mapping[str, Sequence[str]]:
     """Joint names, for files that people read; the mind is never told."""
     return {"motor": body.motor_labels, "sense": body.senses.labels}
 

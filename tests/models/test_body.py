@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.hoap2 import STAND
 from models.loading import compiled, load_body, servos
 from models.wear import Wear
 from models.wiring import Wiring
@@ -213,3 +214,21 @@ def test_straight_wiring_is_the_default(arm: Path) -> None:
     assert (body.wiring.motor == straight.motor).all() and (body.wiring.sense == straight.sense).all()
     angles = np.array([0.3, 1.0, -0.5])
     np.testing.assert_allclose(body.commands(body.command_angles(angles)), angles, atol=1e-12)
+
+
+def test_a_body_of_some_motors_is_the_whole_whose_rest_holds_still() -> None:
+    model, some = mujoco.MjModel.from_xml_path(str(STAND)), ("head_joint_2", "left_arm_joint_1")
+    whole, part = (SimulatedBody(model, name="h", copies=2, home="home", motors=motors) for motors in ((), some))
+    columns = [whole.joints.index(joint) for joint in some]
+    command, rng = whole.command_angles(whole.joint_angles), np.random.default_rng(0)
+    for _ in range(20):
+        command[:, columns] += 0.02 * rng.standard_normal((2, 2))
+        felt, all_felt = part.act(command[:, columns]), whole.act(command)
+        np.testing.assert_allclose(part.joint_angles, whole.joint_angles[:, columns], atol=1e-12)
+        for channel in ("angle", "speed"):
+            np.testing.assert_allclose(
+                part.senses.read(felt, channel), whole.senses.read(all_felt, channel, some), atol=1e-9
+            )
+    assert whole.fingerprint != part.fingerprint
+    with pytest.raises(BodyError, match=r"unknown joint with a motor 'head_joint_3'.*did you mean"):
+        SimulatedBody(model, name="h", motors=("head_joint_3",))

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.hoap2 import SCENE
-from models.part import PartOfBody
 from models.senses import Channel, Senses
 
 CHANNELS = (
@@ -153,8 +152,6 @@ def test_what_sensors_feel_has_units_and_ranges_and_is_not_seen_on_somebody_else
     seen = body.sensations(np.array([[0.3], [0.4]]))
     np.testing.assert_array_equal(body.senses.read(seen, "angle"), [[0.3], [0.4]])
     assert np.isnan(seen[:, 1:]).all()
-    part = PartOfBody(body, ("neck",))
-    assert part.reset().shape == (1, 2) and part.act(np.zeros((1, 1))).shape == (1, 2)
 
 
 def test_the_same_feels_the_same_and_other_senses_are_another_body() -> None:
