@@ -12,7 +12,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel, same_axes
 from babbling.kinds import Numbers, kind
-from imitation.episodes import Episode, check_range
+from imitation.episodes import Episode
 from imitation.errors import ImitationError
 
 LONGEST = 100_000
@@ -29,23 +29,20 @@ class StepMemory:
     episodes: Annotated[tuple[Episode, ...], Numbers("demonstration")]
     """What was watched."""
 
-    def check(self, empty: ForwardModel, goals: int, states: int) -> None:
+    def check(self, empty: ForwardModel) -> None:
         """Refuse to act on somebody else's memory.
 
         Args:
             empty: the forward model of the body that is to imitate, before it learned anything.
-            goals: how many goals exist.
-            states: how many states exist.
 
         Raises:
-            ImitationError: it belongs to another body or world, or its numbers are beyond what exists.
+            ImitationError: it belongs to another body or world.
         """
         if self.forward_model.fingerprint != empty.fingerprint or not same_axes(self.forward_model.axes, empty.axes):
             raise ImitationError(
                 f"this memory belongs to body {self.forward_model.fingerprint}, not to {empty.fingerprint}; recall it "
                 "in the maze it was made in"
             )
-        check_range(self.episodes, goals, states, empty.action.size)
 
 
 @kind("head memory", "`imitate head` leaves such files", ImitationError)

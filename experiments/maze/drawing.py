@@ -1,6 +1,6 @@
 """A maze on matplotlib axes, as the chapter draws it: thick black walls, an asterisk, shaded goals, grey for time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,15 +24,20 @@ def wall_segments(maze: Maze) -> list[tuple[tuple[float, float], tuple[float, fl
     return level + upright
 
 
-def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "black", width: float = 2.6) -> None:
-    """Walls, start and goals, equal aspect, ticks in cell coordinates."""
-    size = mark_size(maze)
+def draw_maze(axes: Axes, maze: Maze, goals: Iterable[int] = (), *, colour: str = "black", width: float = 2.6) -> None:
+    """Walls, and the start if there are goals to draw; equal aspect, ticks in cell coordinates.
+
+    Lines and marks are thinner in mazes larger than the chapter's.
+    """
+    size = min(1.0, 20 / max(maze.width, maze.height))
     walls = LineCollection(wall_segments(maze), colors=colour, linewidths=width * size, capstyle="projecting", zorder=3)
     axes.add_collection(walls)
-    if marks:
+    for goal in goals:
         axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * size, zorder=4)
-        for number in range(1, len(maze.goals) + 1):
-            draw_goal(axes, maze, number)
+        axes.plot(
+            *maze.goals[goal - 1], "o", markersize=5 + 6 * size, zorder=2.5 if size == 1 else 4,
+            color=GOAL_SHADES[goal - 1], markeredgecolor="black", markeredgewidth=1.2,
+        )  # fmt: skip
     axes.set_xlim(0.2, maze.width + 0.8)
     axes.set_ylim(0.2, maze.height + 0.8)
     axes.set_aspect("equal")
@@ -41,19 +46,6 @@ def draw_maze(axes: Axes, maze: Maze, *, marks: bool = True, colour: str = "blac
     axes.tick_params(length=0, labelsize=8)
     for spine in axes.spines.values():
         spine.set_visible(False)
-
-
-def draw_goal(axes: Axes, maze: Maze, goal: int) -> None:
-    """The shaded oval of one goal."""
-    axes.plot(
-        *maze.goals[goal - 1], "o", markersize=5 + 6 * mark_size(maze), zorder=2.5 if mark_size(maze) == 1 else 4,
-        color=GOAL_SHADES[goal - 1], markeredgecolor="black", markeredgewidth=1.2,
-    )  # fmt: skip
-
-
-def mark_size(maze: Maze) -> float:
-    """How large lines and marks are drawn: 1 for the chapter's maze, thinner in larger ones."""
-    return float(min(1.0, 20 / max(maze.width, maze.height)))
 
 
 def draw_walks(

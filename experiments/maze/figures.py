@@ -1,47 +1,37 @@
 """The chapter's Figures 5, 6 and 7, and the learning curve, panel by panel as its captions describe them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from babbling.axes import FloatArray
-from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_goal, draw_maze, draw_walks, mark_size
-from experiments.maze.found import Found
+from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_walks
+from experiments.maze.found import BLOCK, Found
 from experiments.maze.learning import Convergence
-from experiments.maze.mind import Inferred, places_of
+from experiments.maze.mind import places_of
 from experiments.shared.figures import draw_curve
 from experiments.shared.palette import OURS
-from imitation.acting.follow import Journey
 from imitation.inference.intent import in_blocks
-from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS, Maze, Walk
-
-BLOCK = 8
-"""Steps that one point of Figure 7 (b) averages."""
+from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS
 
 
 def figures(done: Found) -> dict[str, Figure]:
     """All of them, by file stem."""
-    maze, config, model = done.maze, done.config, done.experience.forward_model
-    priors, even = done.experience.priors.action(), done.even[config.actions]
-    drawn = {
-        "figure_5": figure_5(maze, TRUE_DYNAMICS, done.table, model.transitions),
-        "figure_6": figure_6(maze, priors, done.walks, done.journey, config.goal, config.selection),
-        "figure_7": figure_7(maze, done.unseen, done.inferred, even, done.goal_prior, BLOCK),
-    }
-    if done.curve is not None and done.curve.steps:
+    drawn = {"figure_5": figure_5(done), "figure_6": figure_6(done), "figure_7": figure_7(done)}
+    if done.curve is not None and len(done.curve.steps):
         drawn["learning_curve"] = learning_curve(done.curve)
     return drawn
 
 
-def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: int) -> Figure:
+def figure_5(done: Found) -> Figure:
     """(a) the maze, (b) the five actions, (c) true and learned forward model side by side."""
+    maze = done.maze
     figure = Figure(figsize=(11.8, 5.9), layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=[2.05, 1, 1], height_ratios=[0.82, 1])
     place = figure.add_subplot(grid[:, 0])
-    draw_maze(place, maze)
+    draw_maze(place, maze, range(1, len(maze.goals) + 1))
     place.set_anchor("N")
     place.set_title("(a)  maze, start (*) and goals", loc="left")
     for number, (x, y) in enumerate(maze.goals, 1):
@@ -54,8 +44,8 @@ def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: in
     _draw_actions(actions)
     actions.set_title("(b)  actions", loc="left")
     tables = [figure.add_subplot(grid[1, 1 + column]) for column in range(2)]
-    titles = ("(c)  actual", f"learned from {transitions} transitions")
-    for axes, title, table in zip(tables, titles, (truth, learned), strict=True):
+    titles = ("(c)  actual", f"learned from {done.experience.forward_model.transitions} transitions")
+    for axes, title, table in zip(tables, titles, (TRUE_DYNAMICS, done.table), strict=True):
         picture = axes.imshow(table, cmap="gray", vmin=0, vmax=1)
         for (row, col), value in np.ndenumerate(table):
             shade = "white" if value < 0.5 else "black"
@@ -72,14 +62,10 @@ def figure_5(maze: Maze, truth: FloatArray, learned: FloatArray, transitions: in
 
 def _draw_actions(axes: Axes) -> None:
     for name, (dx, dy) in zip(ACTIONS, STEPS, strict=True):
-        axes.add_patch(_square(1.0 * dx, 1.0 * dy))
+        axes.add_patch(Rectangle((dx - 0.5, dy - 0.5), 1, 1, facecolor="none", edgecolor="0.75", lw=0.8))
         if dx or dy:
-            axes.annotate(
-                "",
-                (0.86 * dx, 0.86 * dy),
-                (0.22 * dx, 0.22 * dy),
-                arrowprops={"arrowstyle": "-|>", "lw": 2, "color": "k"},
-            )
+            arrow = {"arrowstyle": "-|>", "lw": 2, "color": "k"}
+            axes.annotate("", (0.86 * dx, 0.86 * dy), (0.22 * dx, 0.22 * dy), arrowprops=arrow)
         axes.text(1.28 * dx, 1.28 * dy, name, ha="center", va="center", fontsize=12, weight="bold")
     axes.set_xlim(-2.6, 2.6)
     axes.set_ylim(-1.65, 1.65)
@@ -87,14 +73,10 @@ def _draw_actions(axes: Axes) -> None:
     axes.set_axis_off()
 
 
-def _square(x: float, y: float) -> Rectangle:
-    return Rectangle((x - 0.5, y - 0.5), 1, 1, facecolor="none", edgecolor="0.75", lw=0.8)
-
-
-def figure_6(
-    maze: Maze, priors: FloatArray, walks: Sequence[Walk], journey: Journey, goal: int, selection: str
-) -> Figure:
+def figure_6(done: Found) -> Figure:
     """(a) learned priors for N, S, E, W, (b) the teacher's trajectories, (c) an imitation; time in grey."""
+    maze, journey, goal = done.maze, done.journey, done.config.goal
+    priors = done.experience.priors[0].action()
     figure = Figure(figsize=(14.2, 5.6), layout="constrained")
     grid = figure.add_gridspec(2, 4, width_ratios=[1, 1, 2, 2])
     for i, name in enumerate("NSEW"):
@@ -104,7 +86,7 @@ def figure_6(
             probability, cmap="gray", vmin=0, vmax=1, origin="lower",
             extent=(0.5, maze.width + 0.5, 0.5, maze.height + 0.5),
         )  # fmt: skip
-        draw_maze(axes, maze, marks=False, colour="#5f86a8", width=0.7)
+        draw_maze(axes, maze, colour="#5f86a8", width=0.7)
         axes.set_xlim(0.4, maze.width + 0.6)
         axes.set_ylim(0.4, maze.height + 0.6)
         axes.set_xticks([])
@@ -113,39 +95,33 @@ def figure_6(
         if i == 0:
             axes.set_title(f"(a)  $P(a_t \\mid s_t, s_G)$, Goal {goal}", loc="left", fontsize=11)
     teacher = figure.add_subplot(grid[:, 2])
-    _own_goal(teacher, maze, goal)
-    shown = [walk for walk in walks if walk.goal == goal]
-    draw_walks(teacher, [walk.places for walk in shown[:6]], dashed=True)
-    lengths = " and ".join(str(walk.steps) for walk in shown[:6])
+    draw_maze(teacher, maze, [goal], width=2.2)
+    shown = [walk for walk in done.walks if walk.goal == goal][:6]
+    draw_walks(teacher, [walk.places for walk in shown], dashed=True)
+    lengths = " and ".join(str(walk.steps) for walk in shown)
     teacher.set_title(f"(b)  teacher, {lengths} steps", loc="left", fontsize=11)
     imitator = figure.add_subplot(grid[:, 3])
-    _own_goal(imitator, maze, goal)
+    draw_maze(imitator, maze, [goal], width=2.2)
     cells = journey.states[: journey.steps[0] + 1, 0]
     draw_walks(imitator, [places_of(maze).place(cells)], dashed=False, width=2.0)
     end = f"{journey.steps[0]} steps" if journey.reached[0] else f"not there after {journey.steps[0]} steps"
-    imitator.set_title(f"(c)  imitator ({selection}), {end}", loc="left", fontsize=11)
+    imitator.set_title(f"(c)  imitator ({done.config.selection}), {end}", loc="left", fontsize=11)
     return figure
 
 
-def _own_goal(axes: Axes, maze: Maze, goal: int) -> None:
-    """The maze with only the goal in question, as in the chapter's Figures 6 and 7."""
-    draw_maze(axes, maze, marks=False, width=2.2)
-    axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * mark_size(maze), zorder=4)
-    draw_goal(axes, maze, goal)
-
-
-def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_prior: FloatArray, block: int) -> Figure:
+def figure_7(done: Found) -> Figure:
     """(a) the unseen walk, (b) inferred intent in blocks, and beside it what the chapter only mentions:
     a uniform prior over goals, and a filter over time.
     """
+    maze, walk, inferred, even = done.maze, done.unseen, done.inferred, done.even[done.config.actions]
     figure = Figure(figsize=(13.2, 5.8), layout="constrained")
     grid = figure.add_gridspec(2, 3, width_ratios=[1.55, 1.15, 1.15])
     place = figure.add_subplot(grid[:, 0])
-    _own_goal(place, maze, walk.goal)
+    draw_maze(place, maze, [walk.goal], width=2.2)
     draw_walks(place, [walk.places], dashed=True, width=2.0)
     place.set_title(f"(a)  test walk to Goal {walk.goal}, {walk.steps} steps", loc="left", fontsize=11)
-    told = ", ".join(f"{p:g}" for p in goal_prior.round(3))
-    last = walk.steps - (walk.steps - 1) // block * block
+    told = ", ".join(f"{p:g}" for p in done.goal_prior.round(3))
+    edges = np.append(np.arange(0, walk.steps, BLOCK), walk.steps)
     panels = (
         (f"(b)  inferred intent, Eq. (2), goal prior {told}", inferred.by_step.probability, True),
         ("goal prior uniform", even.by_step.probability, True),
@@ -155,11 +131,8 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
     for i, (title, probability, blocks) in enumerate(panels):
         axes = figure.add_subplot(grid[i % 2, 1 + i // 2])
         for goal in range(len(maze.goals)):
-            if blocks:
-                values, at = in_blocks(probability[:, goal], block), np.arange(0.0, walk.steps, block) + block / 2
-                at[-1] = (walk.steps - last + walk.steps) / 2
-            else:
-                values, at = probability[:, goal], np.arange(1.0, walk.steps + 1)
+            at = (edges[:-1] + edges[1:]) / 2 if blocks else np.arange(1, walk.steps + 1)
+            values = in_blocks(probability[:, goal], BLOCK) if blocks else probability[:, goal]
             axes.plot(
                 at, values, "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
                 markerfacecolor=GOAL_SHADES[goal], markeredgecolor=GOAL_COLOURS[goal], label=f"Goal {goal + 1}",
@@ -169,7 +142,9 @@ def figure_7(maze: Maze, walk: Walk, inferred: Inferred, even: Inferred, goal_pr
         axes.set_title(title, loc="left", fontsize=10)
         axes.grid(alpha=0.25)
         axes.set_ylabel("$P(s_G)$" if i < 2 else "")
-        axes.set_xlabel(f"step (means over {block}, the last over {last})" if i == 1 else "step" if i % 2 else "")
+        axes.set_xlabel(
+            f"step (means over {BLOCK}, the last over {edges[-1] - edges[-2]})" if i == 1 else "step" if i % 2 else ""
+        )
         if i == 0:
             axes.legend(frameon=False, fontsize=9, loc="center")
     return figure
@@ -180,14 +155,13 @@ def learning_curve(curve: Convergence) -> Figure:
     wide = len(curve.per_visit) >= 3
     figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")
     axes = figure.add_subplot(1, 2 if wide else 1, 1)
-    low, high = zip(*curve.spread, strict=True)
-    if low != high:
-        axes.fill_between(curve.steps, low, high, color=OURS, alpha=0.18, lw=0, label="8 walkers of 10")
+    if (curve.low < curve.high).any():
+        axes.fill_between(curve.steps, curve.low, curve.high, color=OURS, alpha=0.18, lw=0, label="8 walkers of 10")
     lines = {"learned rows": curve.tv, "multinomial bound": curve.bound}
-    draw_curve(axes, curve.steps, lines, ("wandering steps", "mean total variation per row"), log=True)
+    draw_curve(axes, curve.steps.astype(float), lines, ("wandering steps", "mean total variation per row"), log=True)
     if wide:
         beside = figure.add_subplot(1, 2, 2, sharey=axes)
-        visits, tv = np.array(curve.per_visit).T
+        visits, tv = curve.per_visit.T
         beside.loglog(visits, tv, "o", color=OURS, label=f"rows, slope {curve.slope:.3f}")
         beside.loglog(visits, tv[0] * np.sqrt(visits[0] / visits), "k--", lw=1.3, label="slope -1/2")
         beside.set_xlabel("counted visits of the row")
@@ -205,7 +179,7 @@ METHOD_STYLE = {
 }
 
 
-def trials_figure(curves: dict[str, dict[int, dict[str, list[float]]]], reliable: float) -> Figure:
+def trials_figure(curves: Mapping[str, Mapping[int, Mapping[int, float]]], reliable: float) -> Figure:
     """Share of runs that arrive within three times the least expected steps, by own steps; one panel per goal."""
     goals = sorted(next(iter(curves.values())))
     figure = Figure(figsize=(4.4 * len(goals) + 0.6, 4.6), layout="constrained")
@@ -213,7 +187,7 @@ def trials_figure(curves: dict[str, dict[int, dict[str, list[float]]]], reliable
     for axes, goal in zip(panels, goals, strict=True):
         for method, lines in curves.items():
             colour, marker = METHOD_STYLE[method]
-            steps, share = np.array(lines[goal]["steps"]), np.array(lines[goal]["share"])
+            steps, share = np.array(list(lines[goal].items())).T
             axes.semilogx(steps, share, "-", marker=marker, color=colour, markersize=4.5, lw=1.6, label=method)
             enough = np.flatnonzero(share >= reliable)
             if enough.size:

@@ -1,33 +1,41 @@
-"""What one run in the maze came to."""
+"""What a run in the maze found: as data, as metrics and as a table."""
 
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from babbling.axes import FloatArray
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import Experience, Inferred
-from experiments.maze.options import Config
+from experiments.maze.options import SEEING, Config
+from experiments.shared.tables import table
 from imitation.acting.follow import Journey, believed
-from models.maze import Maze, Walk
+from imitation.inference.intent import in_blocks
+from models.maze import TRUE_DYNAMICS, Maze, Walk
+
+BLOCK = 8
+"""Steps that one point of Figure 7 (b) averages."""
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Everything one run found."""
+    """One who wandered, watched, imitated, and inferred the intent of an unseen walk."""
 
     config: Config
     experience: Experience
     walks: list[Walk]
     """What was watched."""
     curve: Convergence | None
-    """None for what is remembered."""
+    """How the forward model was learned; None where it was remembered."""
     journey: Journey
+    """The imitation."""
     unseen: Walk
-    """The teacher's walk whose goal is inferred."""
     goal_prior: FloatArray
     beliefs: dict[str, Inferred]
-    """Where it leads, by whether the teacher's actions are seen."""
+    """Of the unseen walk's goal, by whether its actions were seen."""
     even: dict[str, Inferred]
-    """The same with a uniform prior over goals."""
+    """The same under a uniform goal prior."""
 
     @property
     def maze(self) -> Maze:
@@ -42,5 +50,110 @@ class Found:
 
     @property
     def inferred(self) -> Inferred:
-        """Where it leads, seen as the options say."""
+        """What is shown of `beliefs`."""
         return self.beliefs[self.config.actions]
+
+    def metrics(self) -> dict[str, Any]:
+        """Numbers, by part of the experiment."""
+        model, decisions, curve = self.experience.forward_model, self.journey.decisions, self.curve
+        maze, goal = self.maze, self.config.goal
+        teacher, steps = self.experience.teacher_steps(goal), int(self.journey.steps[0])
+        inferred, even = self.inferred, self.even[self.config.actions]
+        by_actions = {
+            name: {
+                "right_steps": float((one.by_step.probability.argmax(1) == self.unseen.goal - 1).mean()),
+                "filter_end": one.filtered.probability[-1],
+            }
+            for name, one in self.beliefs.items()
+        }
+        shown = by_actions[self.config.actions]
+        return {
+            "maze": {
+                "width": maze.width,
+                "height": maze.height,
+                "goals": maze.goals,
+                "fingerprint": maze.fingerprint,
+            },
+            "forward_model": {
+                "counted_transitions": model.transitions,
+                "uniform": model.transitions == 0,
+                "cells_away_from_walls": int((maze.walls.sum(-1) == 0).sum()),
+                "untried_actions": int((model.visits == 0).sum()),
+                "table": self.table,
+                "truth": TRUE_DYNAMICS,
+                "total_variation": float(np.abs(self.table - TRUE_DYNAMICS).sum(-1).mean() / 2),
+            },
+            "learning_curve": None
+            if curve is None
+            else {"steps": curve.steps, "forward_model_tv": curve.tv, "forward_model_tv_bound": curve.bound},
+            "imitation": {
+                "goal": goal,
+                "selection": self.config.selection,
+                "reached": bool(self.journey.reached[0]),
+                "steps": steps,
+                "teacher_steps": teacher,
+                "step_ratio": steps / teacher,
+                "forward_model_alone_steps": int(decisions.forward_alone.sum()),
+                "chance_steps": int(decisions.chance.sum()),
+                "backtracking_steps": int(decisions.backtracking.sum()),
+                "states": self.journey.states[:, 0],
+            },
+            "intent": {
+                "goal": self.unseen.goal,
+                "steps": self.unseen.steps,
+                "block": BLOCK,
+                "blocks": in_blocks(inferred.by_step.probability, BLOCK),
+                "blocks_uniform_goal_prior": in_blocks(even.by_step.probability, BLOCK),
+                "filter_blocks": in_blocks(inferred.filtered.probability, BLOCK),
+                "filter_end": shown["filter_end"],
+                "filter_right_at_the_end": bool(shown["filter_end"].argmax() == self.unseen.goal - 1),
+                "right_steps": shown["right_steps"],
+                "uninformed_steps": inferred.by_step.uninformed_steps,
+                "filter_uninformed_steps": inferred.filtered.uninformed_steps,
+                "actions": self.config.actions,
+                "by_actions": by_actions,
+            },
+        }
+
+
+def summary(config: Config, metrics: dict[str, Any]) -> str:
+    """The metrics of `Found` for people: a markdown table."""
+    learned, imitation, intent = metrics["forward_model"], metrics["imitation"], metrics["intent"]
+    source = f"{config.wander_steps} random steps" if config.memory is None else f"recalled from {config.memory.name}"
+    if learned["uniform"]:
+        free = "" if learned["cells_away_from_walls"] else " (no cell of this maze is away from walls)"
+        verdict = f"**nothing was counted{free}: the forward model is uniform, it knows no action from another**"
+    else:
+        verdict = (
+            f"{learned['counted_transitions']} transitions counted away from walls; "
+            f"total variation from the truth {learned['total_variation']:.4f}"
+        )
+        if learned["untried_actions"]:
+            verdict += f"; {learned['untried_actions']} actions never tried there: taken as uniform"
+    arrived = "reached" if imitation["reached"] else "**not reached**"
+    (other,) = set(SEEING) - {config.actions}
+
+    def told(actions: str, how: str = "") -> str:
+        right, end = intent["by_actions"][actions].values()
+        share = f"right in {100 * right:.0f} % of steps{how}"
+        return f"{share}; the filter ends at {', '.join(f'{p:.3f}' for p in end)}"
+
+    rows = [
+        ("forward model", f"{source}: {verdict}"),
+        (
+            f"imitation of goal {imitation['goal']}, {imitation['selection']}",
+            f"{arrived} in {imitation['steps']} steps; the teacher took {imitation['teacher_steps']:.1f} "
+            f"(ratio {imitation['step_ratio']:.2f})",
+        ),
+        (
+            "events on the way",
+            f"Eq. (1) was 0/0 and the forward model decided alone: {imitation['forward_model_alone_steps']}; "
+            f"chance: {imitation['chance_steps']}; backtracking: {imitation['backtracking_steps']}",
+        ),
+        (
+            f"intent, unseen walk of {intent['steps']} steps to goal {intent['goal']}, actions {config.actions}",
+            told(config.actions, f" judged one by one ({intent['uninformed_steps']} were 0/0)"),
+        ),
+        (f"the same with actions {other}", told(other)),
+    ]
+    return f"# Maze: wander, watch, imitate, infer\n\n{table(rows, ('', ''))}\n"

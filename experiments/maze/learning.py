@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, IntArray
 from babbling.forward_model import ForwardModel
 from babbling.loop import babble
 from experiments.maze.mind import CHECKPOINTS, WANDERING, outings, wanderer
@@ -12,31 +12,29 @@ from experiments.shared.progress import Report
 from models.maze import TRUE_DYNAMICS, Maze, MazeBody
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Convergence:
     """How learned rows came closer to the truth, by wandering steps; rows nobody tried are left out and counted."""
 
-    steps: tuple[int, ...]
-    visits: tuple[float, ...]
-    """Mean counted visits of a row."""
-    tv: tuple[float, ...]
+    steps: IntArray
+    tv: FloatArray
     """Mean total variation between learned and true rows."""
-    bound: tuple[float, ...]
+    bound: FloatArray
     """Mean of what counting as many draws of the true rows is expected to be off."""
-    spread: tuple[tuple[float, float], ...]
-    """10 % and 90 % quantiles of a walker's mean total variation."""
-    untried: tuple[int, ...]
+    low: FloatArray
+    """10 % quantile of a walker's mean total variation."""
+    high: FloatArray
+    """90 % quantile."""
+    untried: IntArray
     """Rows without a visit, over all walkers."""
-    per_visit: tuple[tuple[float, float], ...] = ()
-    """(visits, total variation) averaged over rows with about as many visits."""
+    per_visit: FloatArray
+    """(N, 2) visits and total variation, averaged over rows with about as many visits."""
 
     @property
     def slope(self) -> float | None:
         """Of log total variation against log counted visits, row by row in classes of visits; -1/2 is the law."""
-        if len(self.per_visit) < 3:
-            return None
-        n, tv = np.log(np.array(self.per_visit)).T
-        return float(np.polyfit(n, tv, 1)[0])
+        visits, tv = np.log(self.per_visit).T
+        return float(np.polyfit(visits, tv, 1)[0]) if len(visits) >= 3 else None
 
 
 def expected_distance(truth: FloatArray, visits: FloatArray) -> FloatArray:
@@ -59,51 +57,32 @@ def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> t
         report: is told the fraction done.
     """
     body, plan = MazeBody(maze, copies=copies, seed=[seed, WANDERING]), outings(steps)
-    done, points, rows = np.cumsum(plan), [], []
+    done, points, rows = np.cumsum(plan), [], [np.zeros((2, 0))]
 
     def look(bout: int, model: ForwardModel) -> None:
-        report(done[bout - 1] / steps)
-        if done[bout - 1] not in CHECKPOINTS and done[bout - 1] != steps:
-            return
-        visits = model.visits
+        now, visits = done[bout - 1], model.visits
+        report(now / steps)
         tried = visits > 0
+        if now not in (*CHECKPOINTS, steps) or not tried.any():
+            return
         tv = np.abs(model.predictive - TRUE_DYNAMICS).sum(-1) / 2
         bound = expected_distance(TRUE_DYNAMICS, np.where(tried, visits, 1.0))
-        if not tried.any():
-            return
         means = np.divide((tv * tried).sum(1), tried.sum(1), out=np.full(copies, tv[tried].mean()), where=tried.any(1))
-        low, high = np.quantile(means, [0.1, 0.9])
-        points.append((visits.mean(), tv[tried].mean(), bound[tried].mean(), (low, high), int((~tried).sum())))
-        steps_done.append(int(done[bout - 1]))
-        rows.append((visits[tried], tv[tried]))
+        points.append((now, tv[tried].mean(), bound[tried].mean(), *np.quantile(means, [0.1, 0.9]), (~tried).sum()))
+        rows.append(np.stack([visits[tried], tv[tried]]))
 
-    steps_done: list[int] = []
     model = babble(body, wanderer(body, alone=copies > 1), plan, seed, after_bout=look)
-    if not points:
-        return model, Convergence((), (), (), (), (), ())
-    visits, tv, bound, spread, untried = zip(*points, strict=True)
-    return model, Convergence(
-        tuple(steps_done),
-        tuple(map(float, visits)),
-        tuple(map(float, tv)),
-        tuple(map(float, bound)),
-        tuple((float(a), float(b)) for a, b in spread),
-        untried,
-        _by_visits(np.concatenate([r[0] for r in rows]), np.concatenate([r[1] for r in rows])),
-    )
+    at, tv, bound, low, high, untried = np.array(points, float).reshape(-1, 6).T
+    per_visit = _by_visits(*np.concatenate(rows, axis=1))
+    return model, Convergence(at.astype(int), tv, bound, low, high, untried.astype(int), per_visit)
 
 
-def _by_visits(visits: FloatArray, tv: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Means over rows in classes of visits (factors of 1.6), of at least 10 visits and 20 rows each.
+def _by_visits(visits: FloatArray, tv: FloatArray) -> FloatArray:
+    """(N, 2) means over rows in classes of visits (factors of 1.6), of at least 10 visits and 20 rows each.
 
     Fewer than ten draws from five outcomes are too coarse for the square-root law.
     """
-    if not visits.size:
-        return ()
     label = np.floor(np.log(visits) / np.log(1.6)).astype(int)
-    classes = []
-    for k in np.unique(label):
-        mine = label == k
-        if mine.sum() >= 20 and visits[mine].min() >= 10:
-            classes.append((float(1 / np.mean(visits[mine] ** -0.5) ** 2), float(tv[mine].mean())))
-    return tuple(classes)
+    classes = [(visits[label == k], tv[label == k]) for k in np.unique(label)]
+    enough = [(n, off) for n, off in classes if len(n) >= 20 and n.min() >= 10]
+    return np.array([(1 / np.mean(n**-0.5) ** 2, off.mean()) for n, off in enough]).reshape(-1, 2)

@@ -1,7 +1,7 @@
 """What every part of the maze experiment does: wander, watch, imitate, infer; wiring, no inference of its own."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -29,24 +29,44 @@ PATIENCE = 20
 
 @dataclass(frozen=True, eq=False)
 class Experience:
-    """All that an imitator has when it sets out."""
+    """All that imitators have when they set out, one per copy of a body: each has watched for itself."""
 
-    maze: Maze
+    body: MazeBody
     forward_model: ForwardModel
-    episodes: tuple[Episode, ...]
+    """One factor per copy where each has wandered for itself."""
+    episodes: tuple[tuple[Episode, ...], ...]
 
     @property
-    def priors(self) -> ActionPriors:
+    def maze(self) -> Maze:
+        """Where they are."""
+        return self.body.maze
+
+    @cached_property
+    def priors(self) -> list[ActionPriors]:
         """Learned by counting what was watched."""
-        return ActionPriors.learned(self.episodes, len(self.maze.goals), self.maze.cells, len(ACTIONS))
+        sizes = len(self.maze.goals), self.maze.cells, len(ACTIONS)
+        return [ActionPriors.learned(own, *sizes) for own in self.episodes]
 
-    def towards(self, goal: int) -> tuple[Episode, ...]:
-        """Demonstrations of goal 1, 2, ..."""
-        return tuple(e for e in self.episodes if e.goal == goal - 1)
+    def towards(self, goal: int) -> list[list[Episode]]:
+        """Demonstrations of goal 1, 2, ..., of each copy."""
+        return [[episode for episode in own if episode.goal == goal - 1] for own in self.episodes]
 
-    def limit(self, goal: int) -> int:
-        """Steps after which an imitation is given up."""
-        return int(PATIENCE * max(5.0, float(np.mean([e.steps for e in self.towards(goal)]))))
+    def teacher_steps(self, goal: int) -> float:
+        """Mean steps of what was watched."""
+        return float(np.mean([episode.steps for own in self.towards(goal) for episode in own]))
+
+    def imitate(
+        self, goal: int, selection: str, rng: np.random.Generator, limit: int | None = None, *, prior: bool = True
+    ) -> Journey:
+        """All imitate goal 1, 2, ..., each by what it watched itself: the acyclic rule and, unless told not to, its
+        priors. They give up after `limit` steps, or `PATIENCE` times what the teacher needed.
+        """
+        successor = np.array([acyclic_subgoals(own, self.maze.cells).successor for own in self.towards(goal)])
+        priors = np.array([own.action()[goal - 1] for own in self.priors]) if prior else None
+        end, copies = self.maze.number(self.maze.goals[goal - 1]), self.body.copies
+        states = places_of(self.maze)
+        one = Follower(self.forward_model, states, successor, end, priors, copies=copies, selection=selection)
+        return follow(self.body, one, rng=rng, limit=limit or int(PATIENCE * max(5.0, self.teacher_steps(goal))))
 
 
 def teach(maze: Maze, demonstrations: int, seed: int, purpose: int = TEACHING) -> list[Walk]:
@@ -54,6 +74,11 @@ def teach(maze: Maze, demonstrations: int, seed: int, purpose: int = TEACHING) -
     body = MazeBody(maze, copies=demonstrations, seed=[seed, purpose])
     rng = np.random.default_rng([seed, purpose])
     return [walk for goal in range(1, len(maze.goals) + 1) for walk in demonstrate(body, goal, rng)]
+
+
+def imitator(maze: Maze, seed: int) -> MazeBody:
+    """The one whose imitation is shown."""
+    return MazeBody(maze, seed=[seed, IMITATING])
 
 
 def places_of(maze: Maze) -> Places:
@@ -82,54 +107,16 @@ def outings(steps: int) -> tuple[int, ...]:
     return tuple(np.diff([0, *ends]).tolist()) if steps else ()
 
 
-def follower(
-    maze: Maze,
-    forward_model: ForwardModel,
-    watched: Sequence[Sequence[Episode]],
-    priors: Sequence[ActionPriors] | None,
-    goal: int,
-    selection: str,
-) -> Follower:
-    """Towards goal 1, 2, ..., each copy by what it watched itself: the acyclic rule and, if given, its priors."""
-    own = [[episode for episode in mine if episode.goal == goal - 1] for mine in watched]
-    successor = np.array([acyclic_subgoals(mine, maze.cells).successor for mine in own])
-    prior = None if priors is None else np.array([mine.action()[goal - 1] for mine in priors])
-    end = maze.number(maze.goals[goal - 1])
-    return Follower(forward_model, places_of(maze), successor, end, prior, copies=len(own), selection=selection)
-
-
-def imitate(experience: Experience, goal: int, selection: str, seed: int) -> Journey:
-    """One imitation of what was watched for this goal."""
-    maze, model = experience.maze, experience.forward_model
-    one = follower(maze, model, [experience.episodes], [experience.priors], goal, selection)
-    body, rng = MazeBody(maze, seed=[seed, IMITATING]), np.random.default_rng([seed, IMITATING])
-    return follow(body, one, rng=rng, limit=experience.limit(goal))
-
-
-class Imitators:
-    """Many imitators at once, one per copy of the body: each has wandered and watched for itself."""
-
-    def __init__(self, maze: Maze, copies: int, demonstrations: int, wander_steps: int, seed: int) -> None:
-        self.maze, self.copies, self.seed = maze, copies, seed
-        self.body = MazeBody(maze, copies=copies, seed=(seed, 21))
-        self.episodes: list[list[Episode]] = [[] for _ in range(copies)]
-        for goal in range(1, len(maze.goals) + 1):
-            for k in range(demonstrations):
-                walks = demonstrate(self.body, goal, np.random.default_rng([seed, 22, goal, k]))
-                for own, walk in zip(self.episodes, walks, strict=True):
-                    own.append(watched(walk, maze))
-        self.priors = [ActionPriors.learned(e, len(maze.goals), maze.cells, len(ACTIONS)) for e in self.episodes]
-        self.forward_model = babble(self.body, wanderer(self.body, alone=True), outings(wander_steps), seed)
-
-    def teacher_steps(self, goal: int) -> float:
-        """Mean steps of what was watched."""
-        return float(np.mean([e.steps for own in self.episodes for e in own if e.goal == goal - 1]))
-
-    def journeys(self, goal: int, selection: str, limit: int, *, prior: bool = True) -> Journey:
-        """All imitate one goal."""
-        priors = self.priors if prior else None
-        everyone = follower(self.maze, self.forward_model, self.episodes, priors, goal, selection)
-        return follow(self.body, everyone, rng=np.random.default_rng([self.seed, 23, goal]), limit=limit)
+def population(maze: Maze, copies: int, demonstrations: int, wander_steps: int, seed: int) -> Experience:
+    """Many imitators at once: each has wandered and watched for itself."""
+    body = MazeBody(maze, copies=copies, seed=(seed, 21))
+    shown = [
+        demonstrate(body, goal, np.random.default_rng([seed, 22, goal, k]))
+        for goal in range(1, len(maze.goals) + 1)
+        for k in range(demonstrations)
+    ]
+    episodes = tuple(tuple(watched(walk, maze) for walk in own) for own in zip(*shown, strict=True))
+    return Experience(body, babble(body, wanderer(body, alone=True), outings(wander_steps), seed), episodes)
 
 
 class Inferred(NamedTuple):
@@ -167,11 +154,13 @@ def infer(
     plain = step_evidence(priors.action(smoothing), states, actions, likelihood)
     here = priors.state(smoothing)[:, states].T
     doubtful = step_evidence(priors.doubtful(smoothing), states, actions, likelihood) if smoothing > 0 else plain
-    return Inferred(
-        intent_by_step(plain, goal_prior, here),
-        intent_filter(doubtful, goal_prior),
-        intent_filter(plain, goal_prior),
-    )
+    filtered, filtered_plain = (intent_filter(evidence, goal_prior) for evidence in (doubtful, plain))
+    return Inferred(intent_by_step(plain, goal_prior, here), filtered, filtered_plain)
+
+
+def half_for_the_first(goals: int) -> FloatArray:
+    """(G,) P(goal) as in the chapter's Figure 7: one half for goal 1, the rest shared."""
+    return np.array([0.5] + [0.5 / (goals - 1)] * (goals - 1)) if goals > 1 else np.ones(1)
 
 
 def junctions(maze: Maze) -> list[int]:

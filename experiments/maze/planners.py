@@ -8,7 +8,7 @@ number of steps J to the goal (Bellman 1957; Watkins 1989 for Q-learning):
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,7 @@ from models.maze import ACTIONS, Maze, MazeBody
 RELIABLE, PATIENCE = 0.95, 3.0
 
 
-@dataclass(frozen=True)
-class Learner:
+class Learner(NamedTuple):
     """One setting of Q-learning, textbook and optimistic ones side by side."""
 
     name: str
@@ -57,18 +56,19 @@ def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 
         goal: cell.
         horizon: the most steps looked ahead (a goal may be believed all but out of reach).
     """
-    planners = len(dynamics)
-    value = np.zeros((planners, lead.shape[1]))
-    transposed = dynamics.transpose(0, 2, 1)
-    row = np.arange(planners)[:, None, None]
+    value = np.zeros((len(dynamics), lead.shape[1]))
     for _ in range(horizon):
-        to_go = 1 + value[row, lead] @ transposed
-        to_go[:, goal] = 0
-        new = to_go.min(-1)
-        change = np.abs(new - value).max()
-        value = new
-        if change < 1e-3:
+        to_go = _sweep(value, lead, dynamics, goal)
+        before, value = value, to_go.min(-1)
+        if np.abs(value - before).max() < 1e-3:
             break
+    return to_go
+
+
+def _sweep(value: FloatArray, lead: IntArray, dynamics: FloatArray, goal: int) -> FloatArray:
+    """(R, S, A) expected steps after each action where (R, S) `value` remains after it."""
+    to_go = 1 + value[np.arange(len(value))[:, None, None], lead] @ dynamics.transpose(0, 2, 1)
+    to_go[:, goal] = 0
     return to_go
 
 
@@ -89,11 +89,6 @@ def arrivals(maze: Maze, goal: int, policy: IntArray, limit: int, seed: tuple[in
 def least_steps(maze: Maze, dynamics: FloatArray, goal: int) -> float:
     """Expected steps from the start under the best policy, all being known."""
     return float(steps_to_go(maze.lead[None], dynamics[None], goal)[0, maze.number(maze.start)].min())
-
-
-def limit_for(maze: Maze, dynamics: FloatArray, goal: int) -> int:
-    """Steps within which a run counts as success."""
-    return int(PATIENCE * least_steps(maze, dynamics, goal))
 
 
 class Walls:
@@ -121,8 +116,7 @@ class Walls:
         return np.where(both, np.arange(both.shape[1])[:, None], self._open)
 
 
-@dataclass(frozen=True, eq=False)
-class Known:
+class Known(NamedTuple):
     """What R walkers know at one moment."""
 
     tables: FloatArray
@@ -158,13 +152,12 @@ def replanners(
     walker, places, walls = wanderer(body, alone=True), Places.of(body), Walls(maze, copies)
     model, rng = walker.forward_model(), np.random.default_rng([seed, 14])
     senses, value, row = body.reset(), np.zeros((copies, maze.cells)), np.arange(copies)
-    lead, transposed = walls.lead, believed(model).transpose(0, 2, 1)
+    known = Known(believed(model), walls.lead)
     for step in range(1, budgets[-1] + 1):
         cell = places.number(body.senses.read(senses, "place"))
         if step > first:
             for _ in range(sweeps):
-                to_go = 1 + value[row[:, None, None], lead] @ transposed
-                to_go[:, goal] = 0
+                to_go = _sweep(value, known.lead, known.tables, goal)
                 value = to_go.min(-1)
             action = to_go[row, cell].argmin(-1)
         else:
@@ -176,58 +169,52 @@ def replanners(
         body.put_back(body.cell == goal)
         senses = body.feel()
         if step % 10 == 0 or step == first:
-            lead, transposed = walls.lead, believed(model).transpose(0, 2, 1)
+            known = Known(believed(model), walls.lead)
         if step in budgets:
             yield Known(believed(model), walls.lead)
 
 
-@dataclass(frozen=True, eq=False)
-class QLearners:
-    """Q-learning by many learners at once: (goals, settings, learners), each with its own walker and table."""
+def q_learners(maze: Maze, goals: IntArray, learners: int, budgets: Sequence[int], seed: int) -> Iterator[IntArray]:
+    """(G, settings, learners, S) greedy policies that Q-learning holds after each budget of steps.
 
-    maze: Maze
-    goals: IntArray
-    """(G,) cells."""
-    learners: int
-    """How many per goal and setting."""
-    seed: int
+    Every learner has its own walker and table, and starts over at its goal.
 
-    def policies(self, budgets: Sequence[int]) -> Iterator[IntArray]:
-        """(G, settings, learners, S) greedy policies after each budget of steps; trials start over at the goal."""
-        shape = (len(self.goals), len(Q_SETTINGS), self.learners)
-        size = int(np.prod(shape))
-        goal = np.broadcast_to(self.goals[:, None, None], shape).reshape(size)
-
-        def spread(values: list[float]) -> FloatArray:
-            return np.broadcast_to(np.array(values, float)[None, :, None], shape).reshape(size).copy()
-
-        rate, epsilon = spread([s.rate for s in Q_SETTINGS]), spread([s.explore for s in Q_SETTINGS])
-        discount, cost = spread([s.discount for s in Q_SETTINGS]), spread([-float(s.optimistic) for s in Q_SETTINGS])
-        prize = 1 + cost  # +1 at the goal for those who pay nothing on the way
-        body, rng = MazeBody(self.maze, copies=size, seed=(self.seed, 15)), np.random.default_rng([self.seed, 16])
-        q = np.zeros((len(ACTIONS), size, self.maze.cells))  # actions first: reductions over them run along long rows
-        visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
-        exponent, longest = rate[decaying].copy(), 4 * self.maze.cells
-        row, age = np.arange(size), np.zeros(size, int)
-        body.reset()
+    Args:
+        maze: where.
+        goals: (G,) cells.
+        learners: how many per goal and setting.
+        budgets: steps, in rising order.
+        seed: randomness.
+    """
+    shape = (len(goals), len(Q_SETTINGS), learners)
+    size, settings = int(np.prod(shape)), np.array([setting[1:] for setting in Q_SETTINGS])
+    goal = np.broadcast_to(goals[:, None, None], shape).reshape(size)
+    columns = np.broadcast_to(settings.T[:, None, :, None], (4, *shape)).copy()
+    rate, epsilon, discount, optimistic = columns.reshape(4, size)
+    cost, prize = -optimistic, 1 - optimistic  # +1 at the goal for those who pay nothing on the way
+    body, rng = MazeBody(maze, copies=size, seed=(seed, 15)), np.random.default_rng([seed, 16])
+    q = np.zeros((len(ACTIONS), size, maze.cells))  # actions first: reductions over them run along long rows
+    visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
+    exponent, longest = rate[decaying], 4 * maze.cells
+    row, age = np.arange(size), np.zeros(size, int)
+    body.reset()
+    cell = body.cell
+    for step in range(1, budgets[-1] + 1):
+        here = q[:, row, cell]
+        noise = rng.random((len(ACTIONS) + 1, size), dtype=np.float32)
+        best = np.where(here == here.max(0), noise[1:], -1.0).argmax(0)
+        action = np.where(noise[0] < epsilon, (noise[1] * len(ACTIONS)).astype(int), best)
+        there = body.move(action)
+        arrived = there == goal
+        target = np.where(arrived, prize + cost, cost + discount * q[:, row, there].max(0))
+        where = (action[decaying], row[decaying], cell[decaying])
+        visits[where] += 1
+        rate[decaying] = visits[where] ** exponent
+        q[action, row, cell] += rate * (target - here[action, row])
+        age += 1
+        over = arrived | (age >= longest)
+        body.put_back(over)
+        age[over] = 0
         cell = body.cell
-        for step in range(1, budgets[-1] + 1):
-            here = q[:, row, cell]
-            noise = rng.random((len(ACTIONS) + 1, size), dtype=np.float32)
-            best = np.where(here == here.max(0), noise[1:], -1.0).argmax(0)
-            action = np.where(noise[0] < epsilon, (noise[1] * len(ACTIONS)).astype(int), best)
-            there = body.move(action)
-            arrived = there == goal
-            target = np.where(arrived, prize + cost, cost + discount * q[:, row, there].max(0))
-            where = (action[decaying], row[decaying], cell[decaying])
-            visits[where] += 1
-            rate[decaying] = visits[where] ** exponent
-            q[action, row, cell] += rate * (target - here[action, row])
-            age += 1
-            over = arrived | (age >= longest)
-            if over.any():
-                body.put_back(over)
-                age[over] = 0
-            cell = body.cell
-            if step in budgets:
-                yield q.argmax(0).reshape(*shape, self.maze.cells)
+        if step in budgets:
+            yield q.argmax(0).reshape(*shape, maze.cells)

@@ -11,22 +11,23 @@ from pathlib import Path
 import numpy as np
 
 from babbling.files import load, save
-from experiments.maze.mind import Experience, imitate, wanderer
+from experiments.maze.mind import IMITATING, Experience, imitator, wanderer
 from experiments.shared.fresh_process import RESULT, Files, in_new_process
 from imitation.acting.follow import Decisions, Journey
 from imitation.deferred import StepMemory
-from models.maze import Maze, MazeBody, draw, read_maze
+from models.maze import Maze, draw, read_maze
 
 
-def recall(memory_file: Path, maze: Maze) -> Experience:
+def recall(memory_file: Path, maze: Maze, seed: int) -> Experience:
     """Experience out of a memory file.
 
     Raises:
         BabblingError: a file that is no memory, or one of another maze.
     """
     memory = load(memory_file, StepMemory)
-    memory.check(wanderer(MazeBody(maze)).forward_model(), len(maze.goals), maze.cells)
-    return Experience(maze, memory.forward_model, memory.episodes)
+    body = imitator(maze, seed)
+    memory.check(wanderer(body).forward_model())
+    return Experience(body, memory.forward_model, (memory.episodes,))
 
 
 def imitate_elsewhere(memory: StepMemory, maze: Maze, goal: int, selection: str, seed: int) -> Journey:
@@ -44,7 +45,8 @@ def imitate_elsewhere(memory: StepMemory, maze: Maze, goal: int, selection: str,
 def main(words: list[str]) -> None:
     """See the module."""
     folder, goal, selection, seed = Path(words[0]), int(words[1]), words[2], int(words[3])
-    journey = imitate(recall(folder / "memory.nc", read_maze(folder / "maze.txt")), goal, selection, seed)
+    experience = recall(folder / "memory.nc", read_maze(folder / "maze.txt"), seed)
+    journey = experience.imitate(goal, selection, np.random.default_rng([seed, IMITATING]))
     decisions = journey.decisions._asdict()
     np.savez(folder / RESULT, states=journey.states, steps=journey.steps, reached=journey.reached, **decisions)
 

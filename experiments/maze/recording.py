@@ -5,9 +5,9 @@ and the observer's belief about where it leads.
 """
 
 import io
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -20,7 +20,7 @@ from experiments.maze.found import Found
 from experiments.maze.mind import Inferred, places_of
 from experiments.shared import views
 from experiments.shared.palette import light
-from experiments.shared.recording import recording
+from experiments.shared.recording import log_series, recording, ticks
 from imitation.acting.follow import Journey
 from models.maze import ACTIONS, STEPS, Maze, Walk
 
@@ -28,15 +28,14 @@ WALL_HEIGHT, WALL_WIDTH = 0.55, 0.07
 ACTION_COLOURS = ("#1b6ca8", "#edae49", "#d1495b", "#66a182", "#8a8f98")
 FLOOR, WALL, PALE, DARK = (222, 222, 216), (70, 84, 104), np.array([190, 190, 190]), np.array([12, 14, 20])
 LONGEST_TRAIL = 150
-EVENTS = (("sub-goal", (102, 161, 130)), ("backtracking", (237, 174, 73)), ("forward model alone", (209, 73, 91)))
+EVENTS = {"sub-goal": (102, 161, 130), "backtracking": (237, 174, 73), "forward model alone": (209, 73, 91)}
 
 
 def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
     """Write the recording, blueprint inside."""
-    maze, goal, unseen = done.maze, done.config.goal, done.unseen
-    with recording(
-        path, "imitate-maze", f"maze, goal {goal}", _layout(maze, goal, unseen, figures), _as_list(summary), "step"
-    ) as stream:
+    maze, goal = done.maze, done.config.goal
+    layout = _layout(maze, goal, done.unseen, figures)
+    with recording(path, "imitate-maze", f"maze, goal {goal}", layout, _as_list(summary), "step") as stream:
         for name, figure in figures.items():
             picture = io.BytesIO()
             figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
@@ -46,7 +45,7 @@ def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure])
             _log_maze(stream, world, maze)
         _log_demonstrations(stream, [walk for walk in done.walks if walk.goal == goal])
         _log_imitation(stream, maze, done.journey, goal)
-        _log_watching(stream, maze, unseen, done.inferred, done.goal_prior)
+        _log_watching(stream, maze, done.unseen, done.inferred, done.goal_prior)
 
 
 def _log_maze(stream: rr.RecordingStream, world: str, maze: Maze) -> None:
@@ -70,7 +69,8 @@ def _log_label(stream: rr.RecordingStream, entity: str, place: tuple[int, int], 
 
 
 def _log_demonstrations(stream: rr.RecordingStream, walks: Sequence[Walk]) -> None:
-    lines = [_raised(walk.places + offset, 0.05) for walk, offset in zip(walks, _offsets(len(walks)), strict=True)]
+    offsets = np.linspace(-0.18, 0.18, len(walks)) if len(walks) > 1 else [0.0]
+    lines = [_raised(walk.places + offset, 0.05) for walk, offset in zip(walks, offsets, strict=True)]
     stream.log("imitating/demonstrations", rr.LineStrips3D(lines, colors=[(150, 170, 190)], radii=[0.04]), static=True)
 
 
@@ -78,20 +78,13 @@ def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goa
     steps = int(journey.steps[0])
     cells = journey.states[: steps + 1, 0]
     places = places_of(maze).place(cells).astype(float)
-    index = [rr.TimeColumn("step", sequence=np.arange(steps + 1))]
-    x, y = maze.goals[goal - 1]
-    colour = light(GOAL_COLOURS[goal - 1])
-    stream.log(
-        "imitating/goal",
-        rr.Points3D([[x, y, 0.3]], radii=[0.36], colors=[colour]),
-        static=True,
-    )
-    _log_label(stream, "imitating/goal/label", (x, y), f"goal {goal}")
-    _log_walk(stream, "imitating", places, index)
-    if not steps:
-        return
+    there = maze.goals[goal - 1]
+    ball = rr.Points3D([[*there, 0.3]], radii=[0.36], colors=[light(GOAL_COLOURS[goal - 1])])
+    stream.log("imitating/goal", ball, static=True)
+    _log_label(stream, "imitating/goal/label", there, f"goal {goal}")
+    _log_walk(stream, "imitating", places)
     decisions = journey.decisions
-    during = [rr.TimeColumn("step", sequence=np.arange(steps))]
+    during = ticks(steps, 1.0)
     subgoal = _raised(places_of(maze).place(decisions.subgoal[:steps, 0]), 0.1)
     stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
     stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
@@ -102,29 +95,24 @@ def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goa
     stream.log("imitating/posterior", rr.Arrows3D.from_fields(colors=colours, radii=[0.07]), static=True)
     columns = rr.Arrows3D.columns(vectors=reach.reshape(-1, 3), origins=origins).partition([4] * steps)
     stream.send_columns("imitating/posterior", during, columns)
-    _log_series(stream, "actions/posterior", during, posterior, ACTIONS, ACTION_COLOURS)
+    for action, colour, series in zip(ACTIONS, ACTION_COLOURS, posterior.T, strict=True):
+        log_series(stream, f"actions/posterior/{action}", series, 1.0, action, light(colour))
     events = np.select([decisions.forward_alone[:steps, 0], decisions.backtracking[:steps, 0]], [2, 1], 0)
     changes = np.flatnonzero(np.diff(events, prepend=-1))
-    names = [name for name, _ in EVENTS]
-    stream.log(
-        "actions/mode",
-        rr.StateConfiguration(values=names, labels=names, colors=[(*rgb, 255) for _, rgb in EVENTS]),
-        static=True,
-    )
-    stream.send_columns(
-        "actions/mode",
-        [rr.TimeColumn("step", sequence=changes)],
-        rr.StateChange.columns(state=[names[k] for k in events[changes]]),
-    )
+    names, lights = list(EVENTS), list(EVENTS.values())
+    stream.log("actions/mode", rr.StateConfiguration(values=names, labels=names, colors=lights), static=True)
+    begun = rr.TimeColumn("step", sequence=changes)
+    stream.send_columns("actions/mode", [begun], rr.StateChange.columns(state=[names[k] for k in events[changes]]))
 
 
 def _log_watching(
     stream: rr.RecordingStream, maze: Maze, walk: Walk, inferred: Inferred, goal_prior: FloatArray
 ) -> None:
-    index = [rr.TimeColumn("step", sequence=np.arange(walk.steps + 1))]
-    _log_walk(stream, "watching", walk.places.astype(float), index)
-    belief = np.vstack([goal_prior, inferred.filtered.probability])
-    goals = len(maze.goals)
+    _log_walk(stream, "watching", walk.places.astype(float))
+    belief, by_step = (
+        np.vstack([goal_prior, one.probability]) for one in (inferred.filtered, inferred.by_step)
+    )  # before the first step, the prior
+    goals, index = len(maze.goals), ticks(walk.steps + 1, 1.0)
     colours = [light(GOAL_COLOURS[g]) for g in range(goals)]
     labels = [f"goal {g + 1}: {p:.2f}" for row in belief for g, p in enumerate(row)]
     spots = np.tile(_raised(np.array(maze.goals, float), 0.3), (len(belief), 1))
@@ -138,47 +126,23 @@ def _log_watching(
     stream.send_columns("watching/goals/labels", index, told)
     white = rr.Points3D.from_fields(colors=[(255, 255, 255)], radii=[0.02], show_labels=True)
     stream.log("watching/goals/labels", white, static=True)
-    names = [f"goal {g + 1}" for g in range(goals)]
-    _log_series(stream, "goals/filter", index, belief, names, GOAL_COLOURS)
-    steps = [rr.TimeColumn("step", sequence=np.arange(1, walk.steps + 1))]
-    _log_series(stream, "goals/by_step", steps, inferred.by_step.probability, names, GOAL_COLOURS)
+    for entity, beliefs in (("goals/filter", belief), ("goals/by_step", by_step)):
+        for g, series in enumerate(beliefs.T, 1):
+            log_series(stream, f"{entity}/goal_{g}", series, 1.0, f"goal {g}", colours[g - 1])
 
 
-def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray, index: list[Any]) -> None:
+def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray) -> None:
     """A walker and the trail behind it, light where it is old and dark where it is new."""
-    raised = _raised(places, 0.3)
+    index = ticks(len(places), 1.0)
     stream.log(f"{world}/walker", rr.Points3D.from_fields(colors=[DARK.astype(np.uint8)], radii=[0.3]), static=True)
-    stream.send_columns(f"{world}/walker", index, rr.Points3D.columns(positions=raised))
-    pieces: list[FloatArray] = []
-    shades, sizes = [], []
+    stream.send_columns(f"{world}/walker", index, rr.Points3D.columns(positions=_raised(places, 0.3)))
     low = _raised(places, 0.08)
-    for t in range(len(places)):
-        first = max(0, t - LONGEST_TRAIL)
-        own = np.stack([low[first:t], low[first + 1 : t + 1]], axis=1)
-        age = np.linspace(0, 1, max(len(own), 1))[: len(own), None]
-        pieces.extend(own)
-        shades.append((PALE + (DARK - PALE) * age).astype(np.uint8))
-        sizes.append(len(own))
+    pieces = np.stack([low[:-1], low[1:]], axis=1)
+    trails = [pieces[max(0, t - LONGEST_TRAIL) : t] for t in range(len(places))]
+    shades = [PALE + (DARK - PALE) * np.linspace(0, 1, len(trail))[:, None] for trail in trails]
+    strips = rr.LineStrips3D.columns(strips=np.concatenate(trails), colors=np.vstack(shades).astype(np.uint8))
     stream.log(f"{world}/trail", rr.LineStrips3D.from_fields(radii=[0.07]), static=True)
-    if not pieces:
-        return
-    begun = [rr.TimeColumn("step", sequence=np.arange(1, len(places)))]
-    strips = rr.LineStrips3D.columns(strips=pieces, colors=np.vstack(shades)).partition(sizes[1:])
-    stream.send_columns(f"{world}/trail", begun, strips)
-
-
-def _log_series(
-    stream: rr.RecordingStream,
-    entity: str,
-    index: list[Any],
-    values: FloatArray,
-    names: Sequence[str],
-    colours: Sequence[str],
-) -> None:
-    for name, colour, column in zip(names, colours, values.T, strict=False):
-        path = f"{entity}/{name.replace(' ', '_')}"
-        stream.log(path, rr.SeriesLines(names=[name], colors=[light(colour)], widths=[2]), static=True)
-        stream.send_columns(path, index, rr.Scalars.columns(scalars=column))
+    stream.send_columns(f"{world}/trail", index, strips.partition([len(trail) for trail in trails]))
 
 
 def _layout(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) -> rrb.Vertical:
@@ -217,20 +181,10 @@ def _layout(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) 
 
 
 def _as_list(markdown: str) -> str:
-    """Tables as lists: the viewer does not break the lines of a table."""
-    lines = []
-    for line in markdown.splitlines():
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
-        if not line.startswith("|"):
-            lines.append(line)
-        elif len(cells) == 2 and any(cell.strip("-") for cell in cells):
-            lines.append(f"- **{cells[0]}**: {cells[1]}")
-    return "\n".join(lines)
+    """Tables of two columns as lists: the viewer does not break the lines of a table."""
+    heads = re.compile(r"^\| ?\S* \| ?\S* \|\n\| --- \| --- \|\n", re.M)
+    return re.sub(r"^\| (.*?) \| (.*) \|$", r"- **\1**: \2", heads.sub("", markdown), flags=re.M)
 
 
 def _raised(where: FloatArray | IntArray, height: float) -> FloatArray:
     return np.column_stack([where, np.full(len(where), height)])
-
-
-def _offsets(count: int) -> FloatArray:
-    return np.linspace(-0.18, 0.18, count) if count > 1 else np.zeros(1)

@@ -1,20 +1,21 @@
 """Trials until reliable: imitation, value iteration and Q-learning on one axis (the chapter's claim, quantified)."""
 
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
-from experiments.maze.mind import Imitators
+from experiments.maze.mind import population
 from experiments.maze.planners import (
+    PATIENCE,
     Q_SETTINGS,
     RELIABLE,
     Known,
-    QLearners,
     arrivals,
     least_steps,
-    limit_for,
+    q_learners,
     replanners,
     steps_to_go,
     wanderers,
@@ -28,35 +29,31 @@ WANDER_BUDGETS = (*IMITATION_BUDGETS, 2000, 3000, 5000, 7000, 10_000, 20_000, 30
 REPLAN_BUDGETS = (300, 500, 700, 1000, 1500, 2000, 3000)
 Q_BUDGETS = (10_000, 20_000, 30_000, 50_000, 70_000, 100_000, 150_000, 200_000, 300_000, 400_000)
 
-NEVER: dict[str, list[float]] = {"steps": [], "share": []}
+Curves = Mapping[str, Mapping[int, Mapping[int, float]]]
+"""Method -> goal -> own steps -> share of runs that arrive in time."""
 
 
-def trials(
-    maze: Maze, seed: int, demonstrations: int, report: Report
-) -> tuple[dict[str, Any], dict[str, dict[int, dict[str, list[float]]]]]:
+def trials(maze: Maze, seed: int, demonstrations: int, report: Report) -> tuple[dict[str, Any], Curves]:
     """Own steps until reliable, by method and goal; and the share of runs that arrive in time by own steps."""
     goals = range(1, len(maze.goals) + 1)
     cells = {goal: maze.number(maze.goals[goal - 1]) for goal in goals}
-    limits = {goal: limit_for(maze, TRUE_DYNAMICS, cells[goal]) for goal in goals}
-    curves: dict[str, dict[int, dict[str, list[float]]]] = {}
-
-    def note(method: str, goal: int, steps: int, share: float) -> None:
-        line = curves.setdefault(method, {}).setdefault(goal, {"steps": [], "share": []})
-        line["steps"].append(steps)
-        line["share"].append(share)
+    least = {goal: least_steps(maze, TRUE_DYNAMICS, cells[goal]) for goal in goals}
+    limits = {goal: int(PATIENCE * least[goal]) for goal in goals}
+    curves: dict[str, dict[int, dict[int, float]]] = defaultdict(lambda: defaultdict(dict))
 
     observed = []
     for budget in IMITATION_BUDGETS:
-        imitators = Imitators(maze, 100, demonstrations, budget, seed + 2)
+        imitators = population(maze, 100, demonstrations, budget, seed + 2)
         observed.append({goal: demonstrations * imitators.teacher_steps(goal) for goal in goals})
         for goal in goals:
-            note("imitation", goal, budget, float(imitators.journeys(goal, "map", limits[goal]).reached.mean()))
+            journey = imitators.imitate(goal, "map", np.random.default_rng([seed + 2, 23, goal]), limits[goal])
+            curves["imitation"][goal][budget] = float(journey.reached.mean())
     report(0.04)
 
     def evaluate(method: str, goal: int, budget: int, known: Known, lead: IntArray) -> None:
         policy = steps_to_go(lead, known.tables, cells[goal]).argmin(-1)
         arrived = arrivals(maze, cells[goal], policy, limits[goal], (seed, 26, goal, budget), EPISODES)
-        note(method, goal, budget, float(arrived.mean()))
+        curves[method][goal][budget] = float(arrived.mean())
 
     wandered = wanderers(maze, LEARNERS, WANDER_BUDGETS, seed + 3, lambda done: report(0.04 + 0.36 * done))
     for budget, known in zip(WANDER_BUDGETS, wandered, strict=False):
@@ -65,14 +62,21 @@ def trials(
                 evaluate("value iteration, walls known", goal, budget, known, maze.lead[None])
             if budget >= IMITATION_BUDGETS[-1]:
                 evaluate("value iteration, walls discovered", goal, budget, known, known.lead)
-        if all(reliable_from(line) for line in curves.get("value iteration, walls discovered", {0: NEVER}).values()):
+        if all(reliable_from(curves["value iteration, walls discovered"][goal]) for goal in goals):
             break
     for goal in goals:
         planned = replanners(maze, cells[goal], LEARNERS // 2, REPLAN_BUDGETS, seed + 4)
         for budget, known in zip(REPLAN_BUDGETS, planned, strict=True):
             evaluate("value iteration, replanning", goal, budget, known, known.lead)
         report(0.4 + 0.15 * goal / len(goals))
-    best = _q_learning(maze, list(cells.values()), limits, seed + 5, note, lambda done: report(0.55 + 0.45 * done))
+    share = _q_learning(maze, cells, limits, seed + 5, lambda done: report(0.55 + 0.45 * done))
+    enough = share >= RELIABLE
+    soon = np.where(enough.any(0), enough.argmax(0), len(share))
+    best: dict[str, str | None] = {}
+    for goal, chosen in zip(goals, np.lexsort((-share.sum(0), soon))[:, 0], strict=True):
+        best[str(goal)] = Q_SETTINGS[chosen].name if enough[:, goal - 1, chosen].any() else None
+        curves["Q-learning"][goal] = dict(zip(Q_BUDGETS, share[:, goal - 1, chosen].tolist(), strict=False))
+    report(1.0)
     until = {
         method: {str(goal): reliable_from(line) for goal, line in lines.items()} for method, lines in curves.items()
     }
@@ -88,55 +92,37 @@ def trials(
         "trials_q_learning_over_imitation": ratio,
         "trials_q_learning_settings": [setting.name for setting in Q_SETTINGS],
         "trials_q_learning_best": best,
-        "trials_limit_steps": {str(goal): limits[goal] for goal in goals},
-        "trials_least_steps": {str(goal): least_steps(maze, TRUE_DYNAMICS, cells[goal]) for goal in goals},
+        "trials_limit_steps": {str(goal): steps for goal, steps in limits.items()},
+        "trials_least_steps": {str(goal): steps for goal, steps in least.items()},
         "trials_reliable_share": RELIABLE,
-        "trials_curves": {m: {str(g): line for g, line in lines.items()} for m, lines in curves.items()},
+        "trials_curves": {
+            method: {str(g): {"steps": [*line], "share": [*line.values()]} for g, line in lines.items()}
+            for method, lines in curves.items()
+        },
         "trials_note": "imitation's own steps are few because the demonstrations supply the map; null: not reliable "
         "within the largest budget",
     }, curves
 
 
 def _q_learning(
-    maze: Maze,
-    goals: Sequence[int],
-    limits: dict[int, int],
-    seed: int,
-    note: Callable[[str, int, int, float], None],
-    report: Report,
-) -> dict[str, str | None]:
-    """Every setting learns until, for every goal, one of them is reliable; the best one's curve is noted."""
-    learners = QLearners(maze, np.array(goals), LEARNERS // 2, seed)
-    share: list[FloatArray] = []
-    for budget, policies in zip(Q_BUDGETS, learners.policies(Q_BUDGETS), strict=False):
-        found = np.array(
-            [
-                [
-                    arrivals(maze, goal, p, limits[g], (seed, 27, g, budget, k), EPISODES).mean()
-                    for k, p in enumerate(own)
-                ]
-                for g, (goal, own) in enumerate(zip(goals, policies, strict=True), 1)
-            ]
-        )  # (goals, settings)
-        share.append(found)
+    maze: Maze, goals: Mapping[int, int], limits: Mapping[int, int], seed: int, report: Report
+) -> FloatArray:
+    """(budgets, goals, settings) share in time: learning ends when for every goal a setting is reliable."""
+    share = []
+    policies = q_learners(maze, np.array(list(goals.values())), LEARNERS // 2, Q_BUDGETS, seed)
+    for budget, learned in zip(Q_BUDGETS, policies, strict=False):
+        now = [
+            [arrivals(maze, goal, policy, limits[g], (seed, 27, g, budget, k), EPISODES).mean()
+             for k, policy in enumerate(own)]
+            for (g, goal), own in zip(goals.items(), learned, strict=True)
+        ]  # fmt: skip
+        share.append(now)
         report(budget / Q_BUDGETS[-1])
         if (np.array(share).max((0, 2)) >= RELIABLE).all():
             break
-    table = np.array(share)  # (budgets, goals, settings)
-    best: dict[str, str | None] = {}
-    for g in range(len(goals)):
-        soon = np.where((table[:, g] >= RELIABLE).any(0), (table[:, g] >= RELIABLE).argmax(0), len(table))
-        chosen = int(np.lexsort((-table[:, g].sum(0), soon))[0])
-        best[str(g + 1)] = Q_SETTINGS[chosen].name if soon[chosen] < len(table) else None
-        for budget, value in zip(Q_BUDGETS, table[:, g, chosen], strict=False):
-            note("Q-learning", g + 1, budget, float(value))
-    report(1.0)
-    return best
+    return np.array(share)
 
 
-def reliable_from(line: dict[str, list[float]]) -> int | None:
+def reliable_from(line: Mapping[int, float]) -> int | None:
     """The first budget at which at least 95 % of runs arrive in time; None where none of those tried is enough."""
-    for steps, share in zip(line["steps"], line["share"], strict=True):
-        if share >= RELIABLE:
-            return int(steps)
-    return None
+    return next((steps for steps, share in line.items() if share >= RELIABLE), None)

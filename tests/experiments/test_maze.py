@@ -14,20 +14,20 @@ from experiments.maze.learning import expected_distance, walkers
 from experiments.maze.mind import (
     CHECKPOINTS,
     UNSEEN,
-    Imitators,
     infer,
     junctions,
     outings,
+    population,
     step_likelihood,
     teach,
     watched,
 )
 from experiments.maze.planners import (
     Q_SETTINGS,
-    QLearners,
     Walls,
     arrivals,
     least_steps,
+    q_learners,
     replanners,
     steps_to_go,
     wanderers,
@@ -232,9 +232,9 @@ def test_counting_beside_walls_would_never_converge():
 
 @pytest.mark.parametrize("selection", ["map", "matching"])
 def test_imitation_succeeds_for_every_goal(selection):
-    imitators = Imitators(default_maze(), 25, 2, 2000, 9)
+    imitators = population(default_maze(), 25, 2, 2000, 9)
     for goal in (1, 2, 3):
-        journey = imitators.journeys(goal, selection, 2000)
+        journey = imitators.imitate(goal, selection, np.random.default_rng([9, 23, goal]), 2000)
         assert journey.reached.all() and not journey.decisions.chance.any()
         assert journey.steps.mean() / imitators.teacher_steps(goal) < (1.3 if selection == "map" else 1.4)
 
@@ -297,15 +297,15 @@ def test_baselines_become_reliable_in_a_small_maze():
     ):
         policy = steps_to_go(known.lead, known.tables, goal).argmin(-1)
         assert arrivals(maze, goal, policy, 60, (1,), 20).mean() > 0.95
-    (learned,) = QLearners(maze, np.array([goal]), 4, 0).policies((8000,))
+    (learned,) = q_learners(maze, np.array([goal]), 4, (8000,), 0)
     assert learned.shape == (1, len(Q_SETTINGS), 4, maze.cells)
     best = max(arrivals(maze, goal, learned[0, k], 60, (2,), 20).mean() for k in range(len(Q_SETTINGS)))
     assert best > 0.95
 
 
 def test_reliable_from_is_the_first_budget_that_is_enough():
-    assert reliable_from({"steps": [1, 2, 3], "share": [0.5, 0.95, 0.9]}) == 2
-    assert reliable_from({"steps": [1, 2], "share": [0.5, 0.94]}) is None
+    assert reliable_from({1: 0.5, 2: 0.95, 3: 0.9}) == 2
+    assert reliable_from({1: 0.5, 2: 0.94}) is None
 
 
 def test_benchmark_rows_agree_with_bare_numpy(monkeypatch):

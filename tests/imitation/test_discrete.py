@@ -249,15 +249,15 @@ def test_a_memory_survives_its_file_and_belongs_to_one_world(tmp_path):
     model, episodes = learned(body), (diagonal(), diagonal())
     save(StepMemory(model, episodes), tmp_path / "memory.nc")
     memory, empty = load(tmp_path / "memory.nc", StepMemory), wanderer(body).forward_model()
-    memory.check(empty, goals=1, states=STATES)
+    memory.check(empty)
     assert (memory.forward_model.predictive == model.predictive).all()
     for one, two in zip(episodes, memory.episodes, strict=True):
         assert one.goal == two.goal and (one.states == two.states).all() and (one.actions == two.actions).all()
     with pytest.raises(ImitationError, match="state 52; there are 50"):
-        memory.check(empty, goals=1, states=50)
+        ActionPriors.learned(memory.episodes, 1, 50, 5)
     with pytest.raises(ImitationError, match="goal 0; there are 0"):
-        memory.check(empty, goals=0, states=STATES)
+        ActionPriors.learned(memory.episodes, 0, STATES, 5)
     other = Field()
     other.fingerprint = "another"
     with pytest.raises(ImitationError, match="belongs to body field, not to another"):
-        memory.check(wanderer(other).forward_model(), goals=1, states=STATES)
+        memory.check(wanderer(other).forward_model())
