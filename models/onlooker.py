@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from models.arrays import FloatArray
-from models.biclops.room import TEACHER, Ball
+from models.biclops.room import TEACHER
 from models.robots import ROBOTS, head_of
 from models.shapes import Part, parts
 
@@ -18,8 +18,6 @@ class Onlooked(NamedTuple):
     """T moments of a stage."""
 
     parts: list[Part]
-    balls: list[Ball]
-    """Where they hang in the world."""
     gaze: tuple[FloatArray, FloatArray]
     """(T, 3) middle between our eyes and (T, 3) where they look."""
     teacher_gaze: tuple[FloatArray, FloatArray] | None
@@ -33,21 +31,16 @@ def onlook(
     teacher: FloatArray | None,
     balls: Mapping[str, FloatArray],
 ) -> Onlooked:
-    """A stage through (T, 2) postures of the head and the teacher's; balls at places of the table's frame."""
+    """A stage through (T, 2) postures of the head and the teacher's; balls at (3,) or (T, 3), in the table's frame."""
     facts, rest = head_of(robot), ROBOTS[robot].home
     home = model.key(rest).qpos if rest and model.nkey else np.zeros(model.nq)
     qpos = np.tile(home, (len(angles), 1))
     qpos[:, _columns(model, facts.motors)] = angles
     if teacher is not None:
         qpos[:, _columns(model, (f"{TEACHER}pan", f"{TEACHER}tilt"))] = teacher
-    hung = []
-    for name, place in balls.items():
-        geom, (x, y, z) = model.geom(name), np.asarray(place) + np.array(facts.table)
-        red, green, blue = geom.rgba[:3].tolist()
-        hung.append(Ball(name, (x, y, z), (red, green, blue), float(geom.size[0])))
+    hung = {name: place + np.array(facts.table) for name, place in balls.items()}
     return Onlooked(
-        parts(model, qpos, without=_SCENERY),
-        hung,
+        parts(model, qpos, _SCENERY, hung),
         _gazes(model, qpos, facts.eyes),
         None if teacher is None else _gazes(model, qpos, (TEACHER + "left_eye", TEACHER + "right_eye")),
     )

@@ -1,6 +1,7 @@
 """What a body looks like: its visible shapes, and where they are in each configuration. For pictures, not for minds."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
 
 import mujoco
@@ -45,10 +46,15 @@ class Part(NamedTuple):
     shapes: tuple[Shape, ...]
 
 
-def parts(model: mujoco.MjModel, configurations: FloatArray, without: Collection[str] = ()) -> list[Part]:
+def parts(
+    model: mujoco.MjModel,
+    configurations: FloatArray,
+    without: Collection[str] = (),
+    hung: Mapping[str, FloatArray] = MappingProxyType({}),
+) -> list[Part]:
     """The visible parts of a compiled model in each of (T, nq) configurations, `without` the geoms of these names.
 
-    Left out is also what a configuration does not place: mocap bodies.
+    Left out is also what a configuration does not place: mocap bodies, but for those `hung` at (3,) or (T, 3) places.
     """
     data = mujoco.MjData(model)
     count = len(configurations)
@@ -57,11 +63,14 @@ def parts(model: mujoco.MjModel, configurations: FloatArray, without: Collection
         data.qpos[:] = configuration
         mujoco.mj_kinematics(model, data)
         positions[t], turns[t] = data.xpos, data.xquat[:, [1, 2, 3, 0]]
+    for name, place in hung.items():
+        positions[:, model.body(name).id] = place
     shapes: dict[int, list[Shape]] = {}
     for geom in range(model.ngeom):
         body, kind = int(model.geom_bodyid[geom]), int(model.geom_type[geom])
         visible = model.geom_group[geom] < VISIBLE_GROUPS and model.geom_rgba[geom, 3] > 0
-        if visible and kind in KINDS and model.body_mocapid[body] < 0 and model.geom(geom).name not in without:
+        placed = model.body_mocapid[body] < 0 or model.body(body).name in hung
+        if visible and placed and kind in KINDS and model.geom(geom).name not in without:
             shapes.setdefault(body, []).append(_shape(model, geom))
     return [
         Part(

@@ -52,9 +52,9 @@ def covered_eyes(
     for age, lived in AGES.items():
         for training, kind in TRAINING.items():
             lore = EyeLore()
-            own_experience(lore, None, views, who.scene.eyes.noise, rng)
+            own_experience(lore, None, views, who.config.noise, rng)
             for cover in (*lived, *((kind,) if kind else ())):
-                own_experience(lore, cover, views, who.scene.eyes.noise, rng)
+                own_experience(lore, cover, views, who.config.noise, rng)
             rates[f"{age}, {training}"] = {c: _followed(who, trials, lore, rng) for c, trials in faces.items()}
     before12, before18 = rates["12 months, before"], rates["14 and 18 months, before"]
     opaque12 = rates["12 months, after an opaque blindfold"]
@@ -63,10 +63,10 @@ def covered_eyes(
         "rates": rates,
         "chance": 1 / len(TOYS),
         "signs": {
-            "12 months: blindfold and headband alike": _alike(before12["blindfold"], before12["headband"]),
-            "14 and 18 months: headband above blindfold": _above(before18["headband"], before18["blindfold"]),
-            "12 months: less after an opaque blindfold": _above(before12["blindfold"], opaque12["blindfold"]),
-            "18 months: more after a see-through one": _above(through18["blindfold"], before18["blindfold"]),
+            "12 months: blindfold and headband alike": abs(_gap(before12["blindfold"], before12["headband"])) <= 1.96,
+            "14 and 18 months: headband above blindfold": _gap(before18["headband"], before18["blindfold"]) > 1.96,
+            "12 months: less after an opaque blindfold": _gap(before12["blindfold"], opaque12["blindfold"]) > 1.96,
+            "18 months: more after a see-through one": _gap(through18["blindfold"], before18["blindfold"]) > 1.96,
         },
     }
 
@@ -94,18 +94,8 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
     }
 
 
-def _above(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether one rate lies above another by more than 1.96 standard errors of the difference."""
-    gap, spread = _gap(one, other)
-    return bool(gap > 1.96 * spread)
-
-
-def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    gap, spread = _gap(one, other)
-    return bool(abs(gap) <= 1.96 * spread)
-
-
-def _gap(one: dict[str, Any], other: dict[str, Any]) -> tuple[float, float]:
+def _gap(one: dict[str, Any], other: dict[str, Any]) -> float:
+    """By how many standard errors of the difference one rate lies above another."""
     shares = [(r["rate"] * r["n"] + 1) / (r["n"] + 2) for r in (one, other)]
     spread = np.sqrt(sum(p * (1 - p) / r["n"] for p, r in zip(shares, (one, other), strict=True)))
-    return one["rate"] - other["rate"], float(spread)
+    return float((one["rate"] - other["rate"]) / spread)

@@ -16,8 +16,6 @@ class Judged(NamedTuple):
     """(N, G) P(g); zero for what was not seen."""
     right: BoolArray
     """(N,) whether the most probable toy was the one looked at."""
-    confidence: FloatArray
-    """(N,) its probability."""
 
 
 def infer(
@@ -52,8 +50,7 @@ def judge(
 ) -> Judged:
     """Infer and compare with the truth."""
     probability = infer(who, trials, toys, likes, even=even)
-    best = probability.argmax(1)
-    return Judged(probability, best == trials.target, probability.max(1))
+    return Judged(probability, probability.argmax(1) == trials.target)
 
 
 def preferences(who: Watcher, trials: Trials, toys: tuple[str, ...]) -> Preferences:

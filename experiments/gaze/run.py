@@ -20,11 +20,11 @@ from experiments.gaze.trials import (
     COPIES,
     PAIR,
     TOYS,
-    Scene,
     lesson_for_gaze,
     run_trials,
     shown,
     table_body,
+    view,
 )
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
@@ -34,7 +34,6 @@ from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.robots import head_of
-from models.seeing_body import head_fingerprint
 
 LESSONS = 400
 SHOWN_TRIALS = 80
@@ -45,11 +44,6 @@ STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100}
 SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
 
 
-def scene_of(config: Config) -> Scene:
-    """The stage."""
-    return Scene(config, config.distance, config.aim_deg)
-
-
 def run(config: Config) -> Result:
     """Babble (or recall), be mirrored, be shown, follow.
 
@@ -57,11 +51,11 @@ def run(config: Config) -> Result:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
     layout = _check(config)
-    scene, counts = scene_of(config), STUDY if config.study else SHORT
+    counts = STUDY if config.study else SHORT
     mind = _eyes(config)
     with progress("the caregiver mirrors") as report:
-        who = lesson_for_gaze(scene, mind, LESSONS, config.seed, report)
-    body = table_body(scene, COPIES, config.seed + 11, TURN_S)
+        who = lesson_for_gaze(config, mind, LESSONS, config.seed, report)
+    body = table_body(config, COPIES, config.seed + 11, TURN_S)
     rng = np.random.default_rng([config.seed, 0x6A2E])
     with progress("being shown") as report:
         lessons = run_trials(body, who, SHOWN_TRIALS, rng, report=report)
@@ -80,7 +74,7 @@ def run(config: Config) -> Result:
     with progress("calibration") as report:
         many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
     judged = judge(who, many, TOYS, preferences(who, lessons, TOYS))
-    error, bins = calibration_error(judged.confidence, judged.right)
+    error, bins = calibration_error(judged.probability.max(1), judged.right)
     with progress("covered eyes") as report:
         covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
     shown_episode = episode(who, layout, config.target, config.seed)
@@ -101,7 +95,7 @@ def run(config: Config) -> Result:
 def _check(config: Config) -> FloatArray | None:
     """Refuse options that cannot be meant; the places of the recorded episode, if given."""
     config.check()
-    view = scene_of(config).view()
+    seen = view(config)
     if config.objects is None:
         if not 0 <= config.target <= 4:
             raise ExperimentError(f"--target {config.target}: 1 to 4, or 0 for chance")
@@ -116,7 +110,7 @@ def _check(config: Config) -> FloatArray | None:
     if not 0 <= config.target <= len(places):
         raise ExperimentError(f"--target {config.target}: there are {len(places)} objects; 1 is the first, 0 chance")
     for number, place in enumerate(places, 1):
-        if not possible(place[None], config.distance, view, (0.0, 180.0)):
+        if not possible(place[None], config.distance, seen, (0.0, 180.0)):
             raise ExperimentError(
                 f"--objects: object {number} at {place[0]:g},{place[1]:g} m is outside every direction that both heads "
                 f"can look in; between them, 0.35 to 0.65 m ahead and up to 0.2 m aside, all can be seen"
@@ -127,11 +121,6 @@ def _check(config: Config) -> FloatArray | None:
 def _eyes(config: Config) -> LookingMind:
     if config.learned_eyes is not None:
         mind = load(config.learned_eyes, LookingMind)
-        if mind.pilot.fingerprint != head_fingerprint(config.robot):
-            raise ExperimentError(
-                f"--learned-eyes {config.learned_eyes}: these eyes belong to another body (fingerprint "
-                f"{mind.pilot.fingerprint}, {config.robot} has {head_fingerprint(config.robot)})"
-            )
         mind.check(nursery(config, 0, copies=1))
         return mind
     body = nursery(config, config.seed)

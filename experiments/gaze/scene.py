@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray
-from experiments.gaze.trials import TOYS, Watcher, table_body, toys_seen
+from experiments.gaze.trials import TOYS, Watcher, table_body, toys_seen, view
 from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import Preferences
-from imitation.seeing.pose import LiveWatch, frame_pose
+from imitation.seeing.pose import LiveWatch
 from models.biclops.gaze import lay_out, look_at
 from models.biclops.movements import through
 from models.biclops.room import wear_cloth
@@ -49,17 +49,17 @@ class Following(NamedTuple):
 
 def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> Following:
     """One teacher, one look."""
-    scene, mind, appearance, head, gaze = who
+    config, mind, appearance, head, gaze = who
     rng = np.random.default_rng([seed, 0xE91])
-    body = table_body(scene, 1, seed + 21, FRAME_S)
+    body = table_body(config, 1, seed + 21, FRAME_S)
     wear_cloth(body.model, None)
-    places = lay_out(rng, 4, scene.distance, scene.view(), (15.0, 180.0)) if layout is None else layout
+    places = lay_out(rng, 4, config.distance, view(config), (15.0, 180.0)) if layout is None else layout
     count = len(places)
     names = TOYS[:count]
     goal = int(rng.integers(count)) if target == 0 else target - 1
     for number, name in enumerate(TOYS):
         body.place(name, places[number] if number < count else np.array(PARKED))
-    aim = look_at(places[goal], scene.distance) + np.deg2rad(scene.aim_deg) * rng.standard_normal(2)
+    aim = look_at(places[goal], config.distance) + np.deg2rad(config.aim_deg) * rng.standard_normal(2)
     path = through(np.array([[0.0, 0.0], np.rad2deg(aim)]), np.array([REST_S, STAY_S]))
     body.teacher_path = lambda t: path[min(round(t / 0.02), len(path) - 1)][None]
     centre = mind.pilot.retina.centre.reshape(2, 2)
@@ -90,11 +90,11 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
             senses = body.act(rest)
         face, (things, area) = face_numbers(body, senses)[0], toys_seen(body, senses, mind, names)
         watching.ahead()
-        pose = watching.see(face, frame_pose(appearance, face) if watching.belief is None else None).mean[:2]
+        pose = watching.see(face).mean[:2]
         where = gaze.geometry.locate(things[0], body.senses.read(senses, "angle", ("tilt",))[0, 0])
         if np.isfinite(where).all() and watching.belief is not None:
             if not np.isfinite(expected).all():
-                expected = gaze.imagined(where, np.tile(head, (count, 1))) + gaze.bias
+                expected = gaze.imagined(where, head) + gaze.bias
             prior = Preferences().prior(names, np.sqrt(np.maximum(area[0], 1.0)))
             posterior = gaze.read(pose, where, head, prior)
             belief = posterior.probability if posterior.informed else prior
@@ -120,5 +120,5 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
     stacked = {k: np.stack(v) for k, v in frames.items()}
     balls = {name: places[i] for i, name in enumerate(names)}
-    seen = onlook(body.model, scene.eyes.robot, stacked["own"], stacked["teacher"], balls)
+    seen = onlook(body.model, config.robot, stacked["own"], stacked["teacher"], balls)
     return Following(names, goal, images, events=events, seen=seen, expected=expected, **stacked)

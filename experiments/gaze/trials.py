@@ -1,20 +1,19 @@
 """Trials of gaze following: a teacher turns to one of the toys on the table; what is seen, inferred and looked at."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.looking import LookingMind
+from experiments.gaze.options import Config
 from experiments.shared.caregiver import EYES, FACE, TURN_S, face_numbers, mirrored
 from experiments.shared.eyes import open_eyes, retina_of
-from experiments.shared.options import EyeOptions
 from imitation.gaze.fixation import Fixation
-from imitation.gaze.reader import GazeReader, Geometry, Shown
+from imitation.gaze.reader import GazeReader, Geometry
 from imitation.seeing.features import COLOURS
-from imitation.seeing.finding import Measurer
+from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance, frame_pose
 from models.biclops.gaze import View, lay_out, look_at
 from models.biclops.room import Ball, wear_cloth
@@ -33,26 +32,17 @@ LESSON_PAN, LESSON_TILT = 0.82, (-0.15, 0.72)
 """rad: postures that are mirrored; looks at a table go down."""
 
 
-@dataclass(frozen=True)
-class Scene:
-    """Options of a stage for gaze."""
-
-    eyes: EyeOptions
-    distance: float
-    aim_deg: float
-    """Standard deviation of where a teacher's head points beside what it looks at, each axis, degrees."""
-
-    def view(self) -> View:
-        """What the imitator can see of the table; only whoever lays it out knows."""
-        retina, (fovy_deg, half_baseline) = retina_of(self.eyes), camera_facts(self.eyes.robot)
-        half_v = float(np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2))
-        return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
+def view(config: Config) -> View:
+    """What the imitator can see of the table; only whoever lays it out knows."""
+    retina, (fovy_deg, half_baseline) = retina_of(config), camera_facts(config.robot)
+    half_v = float(np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2))
+    return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
 
 
 class Watcher(NamedTuple):
     """Who follows gaze: what it has learned of its own eyes, of heads, and of where others look."""
 
-    scene: Scene
+    config: Config
     eyes: LookingMind
     appearance: Appearance
     head: FloatArray
@@ -90,12 +80,12 @@ class Trials(NamedTuple):
         return Trials._make([*(field[which] for field in self[:-1]), self.image])
 
 
-def table_body(scene: Scene, copies: int, seed: int, tick_s: float) -> SeeingBody:
+def table_body(config: Config, copies: int, seed: int, tick_s: float) -> SeeingBody:
     """Heads before a table with four toys and a teacher behind it."""
     balls = tuple(Ball(name, (0.5, 0.0, 0.02), COLOURS[name], 0.022) for name in TOYS)
     body = open_eyes(
-        scene.eyes, Measurer(LABELS), copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT), teacher=True,
-        distance=scene.distance, balls=balls, card=True,
+        config, Finder(LABELS, areas=True), copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT),
+        teacher=True, distance=config.distance, balls=balls, card=True,
     )  # fmt: skip
     for name in TOYS:
         body.place(name, np.array(PARKED))
@@ -129,26 +119,25 @@ def run_trials(
 
     With `follow`, which toy of each trial the teacher is thought to look at, the imitator looks there.
     """
-    scene = who.scene
+    config = who.config
     wear_cloth(body.model, cloth)
     batches: list[Trials] = []
     copies, share = body.copies, np.full(len(toys), 1 / len(toys)) if preference is None else np.array(preference)
     for done in range(0, count, copies):
-        places = np.stack([lay_out(rng, len(toys), scene.distance, scene.view(), apart_deg) for _ in range(copies)])
+        places = np.stack([lay_out(rng, len(toys), config.distance, view(config), apart_deg) for _ in range(copies)])
         target = rng.choice(len(toys), copies, p=share)
-        aim = look_at(places[np.arange(copies), target], scene.distance)
+        aim = look_at(places[np.arange(copies), target], config.distance)
         for name in TOYS:
             body.place(name, np.array(PARKED))
         for column, name in enumerate(toys):
             body.place(name, places[:, column])
-        body.teacher_path = still(aim + np.deg2rad(scene.aim_deg) * rng.standard_normal((copies, 2)))
+        body.teacher_path = still(aim + np.deg2rad(config.aim_deg) * rng.standard_normal((copies, 2)))
         body.seed += 1
         senses = body.reset()
         things, area = toys_seen(body, senses, who.eyes, toys)
-        poses = [frame_pose(who.appearance, face) for face in face_numbers(body, senses)]
         batch = Trials(
             places, target, body.teacher_angles, things, np.sqrt(np.maximum(area, 1.0)),
-            pose=np.array([np.full(2, np.nan) if pose is None else pose for pose in poses]),
+            pose=np.array([frame_pose(who.appearance, face) for face in face_numbers(body, senses)]),
             eyes_seen=np.asarray(np.isfinite(body.senses.read(senses, "place", EYES)[..., 0]).any((1, 2))),
             tilt=body.senses.read(senses, "angle", ("tilt",))[:, 0],
             looked=np.full((copies, 2), np.nan),
@@ -207,13 +196,14 @@ def shown(who: Watcher, trials: Trials) -> Watcher:
     """One who has learned from trials whose goal was taken up afterwards."""
     places = located(trials, who.gaze.geometry)[np.arange(len(trials.target)), trials.target]
     use = np.isfinite(places).all(1) & np.isfinite(trials.pose).all(1)
-    goals = Shown(places[use], np.tile(who.head, (int(use.sum()), 1)), trials.pose[use])
-    return who._replace(gaze=who.gaze.learned(goals))
+    return who._replace(gaze=who.gaze.learned(places[use], trials.pose[use], who.head))
 
 
-def lesson_for_gaze(scene: Scene, mind: LookingMind, count: int, seed: int, report: Callable[[float], None]) -> Watcher:
+def lesson_for_gaze(
+    config: Config, mind: LookingMind, count: int, seed: int, report: Callable[[float], None]
+) -> Watcher:
     """Being mirrored while looking at face and table: what heads at postures look like, and where the face is."""
-    body = table_body(scene, COPIES, seed, TURN_S)
+    body = table_body(config, COPIES, seed, TURN_S)
     body.teacher_path = still(np.zeros((COPIES, 2)))
     senses = body.reset()
     tilt = body.senses.read(senses, "angle", ("tilt",))[:, 0]
@@ -222,4 +212,4 @@ def lesson_for_gaze(scene: Scene, mind: LookingMind, count: int, seed: int, repo
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
     appearance = mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
     naive = GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), where, WATCH_TILT)
-    return Watcher(scene, mind, appearance, head, naive)
+    return Watcher(config, mind, appearance, head, naive)

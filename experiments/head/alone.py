@@ -22,14 +22,14 @@ def nobody(config: Config, looked: Search) -> Result:
     """A search that ended without a face: said clearly, nothing imitated."""
     where = ", ".join(f"{np.rad2deg(pan):.0f}" for pan in looked.pans)
     summary = (
-        f"# {config.robot}: no face\n\nNo face was seen in {looked.looks} looks ({where} degrees of pan) and "
+        f"# {config.robot}: no face\n\nNo face was seen in {len(looked.pans)} looks ({where} degrees of pan) and "
         f"{looked.seconds:.1f} s; the search was given up (--search-s {config.search_s:g}). Nothing was imitated.\n"
     )
     metrics: dict[str, Any] = {
         "robot": config.robot,
         "face_found": False,
         "search_s_simulated": looked.seconds,
-        "search_looks": looked.looks,
+        "search_looks": len(looked.pans),
         "head_estimate_rmse_deg": None,
         "head_raw_estimate_rmse_deg": None,
         "head_reproduced_rmse_deg": None,

@@ -33,7 +33,7 @@ def movement(one: Imitation) -> Figure:
     """One sequence: what was demonstrated, each frame's own estimate, the estimate, what was imitated; errors below."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
     panels = figure.subplots(3, 1, sharex=True, height_ratios=[1.2, 1.2, 1])
-    time = np.arange(len(one.path), dtype=float) * TICK_S
+    time = np.arange(len(one.truth), dtype=float) * TICK_S
     frames = np.isfinite(one.truth[:, 0])
     for i, name in enumerate(AXES):
         axes = panels[i]

@@ -14,10 +14,8 @@ from models.retina import Image
 class Imitation(NamedTuple):
     """One sequence; ticks of 20 ms, angles in rad."""
 
-    path: FloatArray
-    """(T, 2) what the teacher meant to do."""
     truth: FloatArray
-    """(T, 2) what it did, NaN between frames."""
+    """(T, 2) what the teacher did, NaN between frames."""
     numbers: FloatArray
     """(T, M)"""
     hidden: BoolArray

@@ -13,7 +13,7 @@ from experiments.head.found import Found
 from experiments.head.options import Config
 from experiments.shared import views
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search
-from experiments.shared.eyes_recording import log_balls, log_eyes, log_head, log_points, log_rings, log_stage
+from experiments.shared.eyes_recording import log_eyes, log_head, log_points, log_rings, log_stage
 from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
 from experiments.shared.recording import log_series, recording
 from imitation.deferred import HeadMemory
@@ -35,10 +35,14 @@ def record(path: Path, done: Found, summary: str) -> None:
     """Write the recording of the first sequence."""
     config, one, crossed = done.config, done.sequences[0], done.crossed
     every = round(FRAME_S / TICK_S)
-    frames = np.arange(0, len(one.path), every)
+    frames = np.arange(0, len(one.truth), every)
     name = f"{config.robot} imitates {config.movement}, seed {config.seed}"
     later = config.deferred
-    toys = TOYS_OF_ANOTHER_ROOM if later else ()
+    balls: dict[str, FloatArray] = PLACES if later else {}
+    if crossed is not None:
+        crossing = np.array([crossed.strays.places(frame * TICK_S)[0] for frame in frames])
+        balls = balls | {ball.name: way for ball, way in zip(BALLS, np.moveaxis(crossing, 1, 0), strict=True)}
+    toys = [ball for ball in (*TOYS_OF_ANOTHER_ROOM, *BALLS) if ball.name in balls]
     model = stage(config.robot, teacher=not later, distance=config.distance, balls=toys).compile()
     with recording(path, "imitate-head", name, _layout(config), summary) as stream:
         shape = (len(frames), len(FACE), 2, NUMBERS)
@@ -46,7 +50,7 @@ def record(path: Path, done: Found, summary: str) -> None:
         expected = done.appearance.expect(one.watched.pose[frames]).reshape(shape)[..., :2]
         log_eyes(stream, done.images[: len(frames)], FRAME_S, found, expected, (0.7, 1.6))
         truth = one.truth[frames]
-        seen = onlook(model, config.robot, one.imitated[frames], None if later else truth, PLACES if later else {})
+        seen = onlook(model, config.robot, one.imitated[frames], None if later else truth, balls)
         log_stage(stream, seen, FRAME_S)
         log_head(stream, "raw", one.watched.raw[frames], FRAME_S, REPLAYED, "frame alone", 1.0)
         log_head(stream, "demonstrated", truth, FRAME_S, DEMONSTRATED, width=4.0)
@@ -57,12 +61,12 @@ def record(path: Path, done: Found, summary: str) -> None:
         error = np.rad2deg(np.hypot(*(one.imitated[frames] - truth).T))
         log_series(stream, "error/imitated", error, FRAME_S, "imitated [deg]", IMITATED)
         if crossed is not None:
-            _record_strays(stream, crossed, frames, np.array(head_of(config.robot).table))
+            _record_strays(stream, crossed, frames)
 
 
-def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray[np.intp], table: FloatArray) -> None:
-    """All that was found, where each filter believed the face's parts to be (rings of two standard deviations), the
-    things that crossed, and the error of the pose by way of tracking."""
+def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray[np.intp]) -> None:
+    """All that was found, where each filter believed the face's parts to be (rings of two standard deviations), and
+    the error of the pose by way of tracking."""
     found = crossed.strays.sightings[: len(frames), 0, ..., :2]  # (T, eyes, K, n, 2)
     for i, eye in enumerate(views.EYES):
         log_points(stream, f"eyes/{eye}/candidates", found[:, i].reshape(len(found), -1, 2), FRAME_S, FOUND, 0.4)
@@ -70,8 +74,6 @@ def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray
             kept = crossed.kept[name][0]
             radii = 1.5 + 2.0 * kept.spread[:, i]
             log_rings(stream, f"eyes/{eye}/{name}", kept.place[:, i], radii, FRAME_S, light(INKS[name]))
-    places = np.array([crossed.strays.places(frame * TICK_S)[0] for frame in frames])
-    log_balls(stream, "world/strays", BALLS, places + table, FRAME_S)
     for name, runs in crossed.kept.items():
         away = np.rad2deg(np.hypot(*(runs[0].watched.pose - crossed.truths[0])[frames].T))
         log_series(stream, f"tracking/{name}", np.maximum(away, 1e-3), FRAME_S, name, light(INKS[name]))

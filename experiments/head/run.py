@@ -78,7 +78,7 @@ def run(config: Config) -> Result:
             watched = kept[IMITATED][b].watched if kept else watch(appearance, numbers, TICK_S)
             imitated, replayed = _perform(config, mind, watched, config.seed + b)
             truth, hidden = sequences.truth[:count, b], sequences.hidden[:count, b]
-            done.append(Imitation(path, truth, numbers, hidden, watched, imitated, replayed))
+            done.append(Imitation(truth, numbers, hidden, watched, imitated, replayed))
             report((b + 1) / len(paths))
     crossed = None if strays is None else Crossed(strays, kept, [one.truth for one in done], appearance, config.seed)
     found = Found(config, looked, appearance, mind, sequences.images, done, crossed)
@@ -104,11 +104,10 @@ def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], St
     ]
     balls = BALLS if config.distractor else ()
     body = opposite(config, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S, balls=balls)
-    hidden = cards if config.occlusion_s > 0 else None
     if not config.distractor:
-        return watch_teacher(body, paths, hidden, report), paths, None
+        return watch_teacher(body, paths, cards, report), paths, None
     strays = Strays(body, [len(p) * TICK_S for p in paths], np.random.default_rng([config.seed, 0x57A]))
-    return watch_teacher(body, paths, hidden, report, move=strays.move, note=strays.note), paths, strays
+    return watch_teacher(body, paths, cards, report, move=strays.move, note=strays.note), paths, strays
 
 
 def within_reach(path: FloatArray, robot: str) -> FloatArray:

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray
 from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
-from imitation.seeing.finding import Measurer
+from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance
 from models.biclops.room import Ball
 from models.heads import CARD, PARKED
@@ -36,11 +36,6 @@ SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0)
 """Where to look for a face when there is none where one happens to look."""
 
 
-def group() -> IntArray:
-    """(M,) which sighting (feature and eye) each number belongs to."""
-    return np.repeat(np.arange(2 * len(FACE)), NUMBERS)
-
-
 def opposite(
     eyes: EyeOptions,
     copies: int,
@@ -53,8 +48,8 @@ def opposite(
 ) -> SeeingBody:
     """Heads with a teacher before them."""
     return open_eyes(
-        eyes, Measurer(FACE), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher, distance=distance, card=True,
-        balls=balls,
+        eyes, Finder(FACE, areas=True), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher,
+        distance=distance, card=True, balls=balls,
     )  # fmt: skip
 
 
@@ -88,6 +83,7 @@ def mirrored(
     rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
     postures, seen = [], []
     rounds = -(-count // body.copies)
+    sighting = np.repeat(np.arange(2 * len(FACE)), NUMBERS)  # the feature and eye that each number belongs to
     for turn in range(rounds):
         wanted = low + (high - low) * rng.random((body.copies, 2))
         felt = body.senses.read(body.act(body.command_angles(wanted), look=False), "angle")
@@ -95,7 +91,7 @@ def mirrored(
         seen.append(face_numbers(body, body.act(rest)))
         postures.append(felt)
         report((turn + 1) / rounds)
-    return Appearance.learned(np.concatenate(postures), np.concatenate(seen), group())
+    return Appearance.learned(np.concatenate(postures), np.concatenate(seen), sighting)
 
 
 @dataclass(frozen=True)
@@ -132,7 +128,7 @@ class Sequences(NamedTuple):
 def watch_teacher(
     body: SeeingBody,
     paths: list[FloatArray],
-    occlusions: list[Occlusion] | None,
+    occlusions: list[Occlusion],
     report: Callable[[float], None] = lambda done: None,
     *,
     move: Callable[[float], None] = lambda time_s: None,
@@ -155,7 +151,7 @@ def watch_teacher(
     hidden, images = np.zeros((longest, body.copies), bool), []
     for tick in range(0, longest, inner):
         if tick:
-            for_cards = [o.place(tick * 0.02) for o in occlusions] if occlusions else [PARKED] * body.copies
+            for_cards = [o.place(tick * 0.02) for o in occlusions]
             body.place(CARD, np.array(for_cards))
             hidden[tick : tick + inner] = [place != PARKED for place in for_cards]
             move(tick * 0.02)
@@ -173,7 +169,6 @@ class Search(NamedTuple):
 
     found: bool
     seconds: float
-    looks: int
     images: list[tuple[Image, Image]]
     pans: list[float]
     """rad, where each look went."""
@@ -191,6 +186,6 @@ def search(body: SeeingBody, start_pan: float, patience_s: float) -> Search:
         pans.append(float(body.joint_angles[0, 0]))
         seen = np.isfinite(body.senses.read(senses, "place", FACE)[0, :, 0, 0]).sum()
         if seen >= LEAST_FACE:
-            return Search(True, clock, len(pans), images, pans)
+            return Search(True, clock, images, pans)
         clock += body.tick_s
-    return Search(False, clock, len(pans), images, pans)
+    return Search(False, clock, images, pans)

@@ -1,18 +1,15 @@
 """Pieces of recordings with eyes: images with points on them, a stage with gaze rays."""
 
-import io
 from collections.abc import Sequence
 
 import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
-from PIL import Image as Picture
 
 from babbling.axes import FloatArray
 from experiments.shared.palette import DEMONSTRATED, EXPECTED, FOUND, IMITATED, Light
-from experiments.shared.recording import log_body, log_series, ticks
+from experiments.shared.recording import log_body, log_series, log_stick_figure, png, ticks
 from experiments.shared.views import AXES, EYES
-from models.biclops.room import Ball
 from models.onlooker import Onlooked
 
 
@@ -26,7 +23,8 @@ def log_eyes(
 ) -> None:
     """What both eyes see, with (T, K, 2 eyes, 2) pixels where things were found and where they were expected."""
     for i, eye in enumerate(EYES):
-        log_images(stream, f"eyes/{eye}", [pair[i] for pair in images], tick_s)
+        shown = rr.EncodedImage.columns(blob=[png(pair[i]) for pair in images], media_type=["image/png"] * len(images))
+        stream.send_columns(f"eyes/{eye}", ticks(len(images), tick_s), shown)
         if found is not None and expected is not None:
             log_points(stream, f"eyes/{eye}/predicted", expected[:, :, i], tick_s, EXPECTED, radii[1])
             log_points(stream, f"eyes/{eye}/found", found[:, :, i], tick_s, FOUND, radii[0])
@@ -50,20 +48,6 @@ def log_events(stream: rr.RecordingStream, events: Sequence[tuple[float, str]]) 
     """Seconds, and what happened."""
     index = [rr.TimeColumn("sim_time", duration=np.array([when for when, _ in events]))]
     stream.send_columns("events", index, rr.TextLog.columns(text=[what for _, what in events]))
-
-
-def log_images(stream: rr.RecordingStream, entity: str, images: Sequence[NDArray[np.uint8]], tick_s: float) -> None:
-    """One (H, W, 3) image per tick."""
-    blobs = []
-    for image in images:
-        buffer = io.BytesIO()
-        Picture.fromarray(image).save(buffer, "PNG")
-        blobs.append(buffer.getvalue())
-    stream.send_columns(
-        entity,
-        ticks(len(blobs), tick_s),
-        rr.EncodedImage.columns(blob=blobs, media_type=["image/png"] * len(blobs)),
-    )
 
 
 def log_points(
@@ -100,44 +84,11 @@ def log_rings(
     stream.send_columns(entity, ticks(len(rings), tick_s), columns)
 
 
-def log_balls(
-    stream: rr.RecordingStream, entity: str, balls: Sequence[Ball], places: FloatArray, tick_s: float
-) -> None:
-    """Balls at (T, K, 3) places of the world."""
-    for ball, way in zip(balls, np.moveaxis(places, 1, 0), strict=True):
-        shape = rr.Ellipsoids3D(
-            half_sizes=[np.repeat(ball.radius, 3)], fill_mode="solid", colors=[tuple(int(255 * c) for c in ball.rgb)]
-        )
-        stream.log(f"{entity}/{ball.name}", shape, static=True)
-        stream.send_columns(f"{entity}/{ball.name}", ticks(len(way), tick_s), rr.Transform3D.columns(translation=way))
-
-
 def log_stage(stream: rr.RecordingStream, seen: Onlooked, tick_s: float) -> None:
-    """The robot, the teacher, the table, balls and gazes, under /world."""
+    """The robot, the teacher, the table, balls and gazes (lines of 1.2 m), under /world."""
     log_body(stream, "world", seen.parts, tick_s)
-    for ball in seen.balls:
-        shape = rr.Ellipsoids3D(
-            half_sizes=[np.repeat(ball.radius, 3)], centers=[ball.position], fill_mode="solid",
-            colors=[tuple(int(255 * c) for c in ball.rgb)],
-        )  # fmt: skip
-        stream.log(f"world/balls/{ball.name}", shape, static=True)
-    log_ray(stream, "world/gaze/ours", *seen.gaze, tick_s, IMITATED)
-    if seen.teacher_gaze is not None:
-        log_ray(stream, "world/gaze/teacher", *seen.teacher_gaze, tick_s, DEMONSTRATED)
-
-
-def log_ray(
-    stream: rr.RecordingStream,
-    entity: str,
-    start: FloatArray,
-    way: FloatArray,
-    tick_s: float,
-    colour: Light,
-    length: float = 1.2,
-) -> None:
-    """A gaze: (T, 3) starts and unit directions, drawn as a line."""
-    strips = np.stack([start, start + length * way], axis=1)
-    stream.log(entity, rr.LineStrips3D.from_fields(colors=[colour], radii=[0.003]), static=True)
-    stream.send_columns(
-        entity, ticks(len(strips), tick_s), rr.LineStrips3D.columns(strips=list(strips)).partition([1] * len(strips))
-    )
+    for who, gaze, colour in (("ours", seen.gaze, IMITATED), ("teacher", seen.teacher_gaze, DEMONSTRATED)):
+        if gaze is not None:
+            start, way = gaze
+            ends = np.stack([start, start + 1.2 * way], axis=1)
+            log_stick_figure(stream, f"world/gaze/{who}", ends, [(0, 1)], tick_s, colour, 0.003)

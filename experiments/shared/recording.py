@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-import matplotlib.image
 import numpy as np
 import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
+from PIL import Image
 
 from babbling.axes import FloatArray
 from models.shapes import Part, Shape
@@ -118,7 +118,7 @@ def log_stick_figure(
     colour: tuple[int, int, int],
     thickness: float = 0.012,
 ) -> None:
-    """A teacher as lines between (T, K, 3) points."""
+    """Lines between (T, K, 3) points: a teacher, a gaze."""
     times = ticks(len(points), tick_s)
     count = len(bones)
     segments = points[:, np.array(bones)].reshape(-1, 2, 3)
@@ -161,8 +161,13 @@ def heat_map(values: FloatArray, colours: str = "magma", aspect: float = 1.0) ->
     return np.repeat(np.repeat(rgb, tall, axis=0), wide, axis=1)
 
 
+def png(rgb: NDArray[np.uint8]) -> bytes:
+    """A picture (H, W, 3) as a file."""
+    file = io.BytesIO()
+    Image.fromarray(rgb).save(file, "PNG")
+    return file.getvalue()
+
+
 def log_picture(stream: rr.RecordingStream, entity: str, rgb: NDArray[np.uint8]) -> None:
     """A still picture, as PNG."""
-    png = io.BytesIO()
-    matplotlib.image.imsave(png, rgb, format="png")
-    stream.log(entity, rr.EncodedImage(contents=png.getvalue(), media_type="image/png"), static=True)
+    stream.log(entity, rr.EncodedImage(contents=png(rgb), media_type="image/png"), static=True)

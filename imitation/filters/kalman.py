@@ -31,55 +31,17 @@ class System(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """N(mean, covariance) over the state: all that the next step needs."""
+    """N(mean, covariance) over the state: all that the next step needs; or of a whole sequence, time first."""
 
     mean: FloatArray
     """E[s_t | z_1..t] (..., n)."""
     covariance: FloatArray
     """Cov[s_t | z_1..t] (..., n, n)."""
 
-
-class UpdateInfo(NamedTuple):
-    """What a measurement said, for those who look on."""
-
-    innovation: FloatArray
-    """z - H mean (..., m); 0 where nothing was observed."""
-    innovation_covariance: FloatArray
-    """S = H P H' + R (..., m, m); rows and columns of missing numbers are those of the identity."""
-    gain: FloatArray
-    """K = P H' S^-1 (..., n, m); 0 for missing numbers."""
-    log_likelihood: FloatArray
-    """log p(z_t | z_1..t-1) (...); 0 when nothing was observed."""
-    surprise: FloatArray
-    """Squared Mahalanobis distance of the innovation (...), chi-square with as many degrees as numbers observed."""
-
-
-class Filtered(NamedTuple):
-    """A whole sequence, T steps, time first."""
-
-    mean: FloatArray
-    """E[s_t | z_1..t] (T, ..., n)."""
-    covariance: FloatArray
-    """(T, ..., n, n)."""
-    predicted_mean: FloatArray
-    """E[s_t | z_1..t-1] (T, ..., n)."""
-    predicted_covariance: FloatArray
-    """(T, ..., n, n)."""
-
     @classmethod
-    def of(cls, beliefs: Sequence[Belief], predictions: Sequence[Belief]) -> "Filtered":
-        """From the beliefs after each measurement, and those before it."""
-        columns = [column for kind in (beliefs, predictions) for column in zip(*kind, strict=True)]
-        return cls(*map(np.stack, columns))
-
-
-class Smoothed(NamedTuple):
-    """Beliefs that know the future as well."""
-
-    mean: FloatArray
-    """E[s_t | z_1..T] (T, ..., n)."""
-    covariance: FloatArray
-    """(T, ..., n, n)."""
+    def stacked(cls, beliefs: Sequence["Belief"]) -> "Belief":
+        """(T, ..., n) and (T, ..., n, n) of T beliefs, one after the other."""
+        return cls(*map(np.stack, zip(*beliefs, strict=True)))
 
 
 def constant_velocity(dt: float, *, acceleration: float, noise: float, axes: int = 2) -> System:
@@ -105,8 +67,8 @@ def predict(system: System, belief: Belief, push: FloatArray | None = None) -> B
 
 def update(
     system: System, belief: Belief, measured: FloatArray, observed: bool | BoolArray = True
-) -> tuple[Belief, UpdateInfo]:
-    """The belief after a measurement (..., m).
+) -> tuple[Belief, FloatArray]:
+    """The belief after a measurement (..., m), and the gain K = P H' S^-1 (..., n, m), 0 for missing numbers.
 
     `observed` broadcasts to (..., m): which of the numbers were measured at all (the others are ignored). The
     covariance is updated in Joseph's form, (1 - K H) P (1 - K H)' + K R K', which stays symmetric and positive.
@@ -125,7 +87,7 @@ def update(
     cross = belief.covariance @ _transpose(sensor)
     spread = sensor @ cross + np.where(pattern, system.observation_noise, np.eye(measured.shape[-1]))
     try:
-        root = np.linalg.cholesky(spread)
+        np.linalg.cholesky(spread)
     except np.linalg.LinAlgError:
         raise ImitationError(
             "the innovation covariance is not positive definite; observation_noise needs a positive variance for "
@@ -135,22 +97,21 @@ def update(
     rest = np.eye(belief.mean.shape[-1]) - gain @ sensor
     noise = gain @ np.where(pattern, system.observation_noise, 0.0) @ _transpose(gain)
     covariance = rest @ belief.covariance @ _transpose(rest) + noise
-    surprise = np.sum(np.linalg.solve(root, innovation[..., None])[..., 0] ** 2, axis=-1)
-    log_det = 2.0 * np.sum(np.log(np.diagonal(root, axis1=-2, axis2=-1)), axis=-1)
-    log_likelihood = -0.5 * (surprise + log_det + there.sum(axis=-1) * np.log(2.0 * np.pi))
-    mean = belief.mean + _apply(gain, innovation)
-    return Belief(mean, covariance), UpdateInfo(innovation, spread, gain, log_likelihood, surprise)
+    return Belief(belief.mean + _apply(gain, innovation), covariance), gain
 
 
-def smooth(system: System, filtered: Filtered) -> Smoothed:
-    """The Rauch-Tung-Striebel pass backwards: C = P_t F' P_{t+1|t}^-1, m_t += C (m^s_{t+1} - m_{t+1|t}), and so on."""
+def smooth(system: System, filtered: Belief, predicted: Belief) -> Belief:
+    """Beliefs that know the future as well, from those after (T, ...) measurements and those before them.
+
+    The Rauch-Tung-Striebel pass backwards: C = P_t F' P_{t+1|t}^-1, m_t += C (m^s_{t+1} - m_{t+1|t}), and so on.
+    """
     mean, covariance = filtered.mean.copy(), filtered.covariance.copy()
     for step in range(len(mean) - 2, -1, -1):
-        ahead = filtered.predicted_covariance[step + 1]
+        ahead = predicted.covariance[step + 1]
         back = _transpose(np.linalg.solve(ahead, system.transition @ covariance[step]))
-        mean[step] += _apply(back, mean[step + 1] - filtered.predicted_mean[step + 1])
+        mean[step] += _apply(back, mean[step + 1] - predicted.mean[step + 1])
         covariance[step] += back @ (covariance[step + 1] - ahead) @ _transpose(back)
-    return Smoothed(mean, covariance)
+    return Belief(mean, covariance)
 
 
 def _apply(matrix: FloatArray, vector: FloatArray) -> FloatArray:

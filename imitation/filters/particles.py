@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import FloatArray
 from imitation.errors import ImitationError
 
 
@@ -40,17 +40,6 @@ class Particles(NamedTuple):
         return np.asarray(np.einsum("...p,...pn,...pm->...nm", self.weights, away, away))
 
 
-class ParticleInfo(NamedTuple):
-    """What a step said, for those who look on."""
-
-    log_likelihood: FloatArray
-    """Estimate of log p(z_t | z_1..t-1) (...)."""
-    effective_size: FloatArray
-    """1 / sum of squared weights, before resampling (...): how many guesses the belief really rests on."""
-    resampled: BoolArray
-    """Which filters drew anew (...)."""
-
-
 def gather(states: FloatArray) -> Particles:
     """Equally weighted guesses from states (..., P, n), such as draws from a prior."""
     return Particles(states, np.full(states.shape[:-1], -np.log(states.shape[-2])))
@@ -63,11 +52,11 @@ def step(
     log_likelihood: Callable[[FloatArray], FloatArray] | None,
     *,
     resample_below: float = 0.5,
-) -> tuple[Particles, ParticleInfo]:
+) -> Particles:
     """One step: `move` draws s_t given s_{t-1}, `log_likelihood` gives log p(z_t | s_t) (..., P) of states (..., P, n).
 
     None for `move` leaves the guesses where they are (the first measurement), None for `log_likelihood` is a missing
-    measurement. Filters whose effective size falls below `resample_below` P draw anew.
+    measurement. Filters whose effective size, 1 / sum of squared weights, falls below `resample_below` P draw anew.
 
     Raises:
         ImitationError: no guess explains the measurement at all (give the likelihood a share of clutter).
@@ -75,7 +64,6 @@ def step(
     states, log_weights = particles
     if move is not None:
         states = move(rng, states)
-    evidence = np.zeros(log_weights.shape[:-1])
     if log_likelihood is not None:
         joint = log_weights + log_likelihood(states)
         top = joint.max(axis=-1, keepdims=True)
@@ -84,17 +72,15 @@ def step(
                 "no particle explains the measurement (probability 0 everywhere); give the likelihood a share of "
                 "clutter, or start more particles"
             )
-        evidence = (top + np.log(np.exp(joint - top).sum(axis=-1, keepdims=True)))[..., 0]
-        log_weights = joint - evidence[..., None]
+        log_weights = joint - (top + np.log(np.exp(joint - top).sum(axis=-1, keepdims=True)))
     weights = np.exp(log_weights)
-    size = 1.0 / np.sum(weights**2, axis=-1)
-    poor = np.asarray(size < resample_below * weights.shape[-1])
+    poor = 1.0 / np.sum(weights**2, axis=-1) < resample_below * weights.shape[-1]
     if poor.any():
         chosen = systematic(rng, weights)
         drawn = np.take_along_axis(states, chosen[..., None], axis=-2)
         states = np.where(poor[..., None, None], drawn, states)
         log_weights = np.where(poor[..., None], -np.log(weights.shape[-1]), log_weights)
-    return Particles(states, log_weights), ParticleInfo(evidence, size, poor)
+    return Particles(states, log_weights)
 
 
 def systematic(rng: np.random.Generator, weights: FloatArray) -> npt.NDArray[np.intp]:

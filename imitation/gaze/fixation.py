@@ -24,10 +24,6 @@ class Saccade(NamedTuple):
 
     change: FloatArray
     """(N, 2) change of posture of each motor, rad."""
-    posterior: tuple[Posterior, Posterior]
-    """Of motor 0 and motor 1, (N, A) over their candidates."""
-    expected: FloatArray
-    """(N, C) where the thing is expected afterwards, pixels from the middle."""
     uninformed: BoolArray
     """(N,) where Eq. (1) was 0/0 for a motor and the efference copy acted instead."""
 
@@ -52,20 +48,14 @@ class Fixation:
         self, things: FloatArray, posture: FloatArray, rng: np.random.Generator, goal: tuple[float, float] = (0.0, 0.0)
     ) -> Saccade:
         """(N, C) things from the image's middle and (N, 2) postures to saccades; `goal` is (u, v) from the middle."""
-        here, place = np.asarray(things, float).copy(), np.asarray(posture, float).copy()
-        change = np.zeros((len(here), 2))
-        posteriors, uninformed = [], np.zeros(len(here), bool)
+        change, uninformed = np.zeros((len(things), 2)), np.zeros(len(things), bool)
         for motor in range(2):
-            posterior, fallback = self.posterior(motor, here, place, goal[motor])
+            here = self.mind.expect(things, posture, change)
+            posterior, fallback = self.posterior(motor, here, posture + change, goal[motor])
             chosen = self.rule(posterior.probability[:, None], self.candidates[motor], rng)[:, 0]
             change[:, motor] = np.where(posterior.informed, chosen, fallback)
             uninformed |= ~posterior.informed
-            step = np.zeros_like(change)
-            step[:, motor] = change[:, motor]
-            here = self.mind.expect(here, place, step)
-            place[:, motor] += change[:, motor]
-            posteriors.append(posterior)
-        return Saccade(change, (posteriors[0], posteriors[1]), here, uninformed)
+        return Saccade(change, uninformed)
 
     def posterior(
         self, motor: int, things: FloatArray, posture: FloatArray, goal: float

@@ -13,7 +13,6 @@ at all is learned from one's own eyes (`EyeLore`).
 """
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -66,17 +65,6 @@ def facing(places: FloatArray, other: FloatArray) -> FloatArray:
     return np.asarray((places - other) * (-1.0, -1.0, 1.0))
 
 
-class Shown(NamedTuple):
-    """Trials whose goal was shown afterwards: N of them."""
-
-    places: FloatArray
-    """(N, 3) of the goal, as located."""
-    head: FloatArray
-    """(N, 3) of the other's face at rest, as located."""
-    pose: FloatArray
-    """(N, 2) of its head, as estimated."""
-
-
 @dataclass(frozen=True)
 class GazeReader:
     """Poses of another's head to goals.
@@ -98,7 +86,7 @@ class GazeReader:
     covariance: FloatArray = field(default_factory=lambda: np.diag([0.1, 0.1]) ** 2)
 
     def imagined(self, places: FloatArray, head: FloatArray, origin: FloatArray | None = None) -> FloatArray:
-        """(N, 2) poses with which I would look at (N, 3) places, were my eyes in the other's head at (N, 3)."""
+        """(N, 2) poses with which I would look at (N, 3) places, were my eyes in the other's head at (3,)."""
         offset = self.origin if origin is None else origin
         mine = facing(places, head) - offset
         things = self.geometry.appear(mine, self.tilt)
@@ -107,22 +95,22 @@ class GazeReader:
         turns = [fixation.choose(things, posture, rng).change for fixation in self.fixations]
         return np.asarray(posture + (turns[0] + turns[1]) / 2)
 
-    def learned(self, shown: Shown) -> "GazeReader":
-        """With origin, bias and covariance from trials whose goals were shown.
+    def learned(self, places: FloatArray, pose: FloatArray, head: FloatArray) -> "GazeReader":
+        """With origin, bias and covariance from trials whose goals, at (N, 3) places, were shown afterwards: (N, 2)
+        poses of a head whose face is at (3,) when at rest; places as located.
 
         Raises:
             ImitationError: too few of them.
         """
-        if len(shown.pose) < LEAST_SHOWN:
-            raise ImitationError(f"{len(shown.pose)} shown goals; {LEAST_SHOWN} are needed to learn what gaze means")
-        few = Shown(*(part[:MOST_FITTED] for part in shown))
+        if len(pose) < LEAST_SHOWN:
+            raise ImitationError(f"{len(pose)} shown goals; {LEAST_SHOWN} are needed to learn what gaze means")
 
         def away(x: FloatArray) -> FloatArray:
-            rest = few.pose - self.imagined(few.places, few.head, x)
+            rest = pose[:MOST_FITTED] - self.imagined(places[:MOST_FITTED], head, x)
             return np.asarray(np.clip(rest, -0.5, 0.5).ravel())
 
         found = least_squares(away, self.origin, loss="soft_l1", f_scale=0.06, diff_step=0.02, x_scale=0.3, max_nfev=12)
-        rest = shown.pose - self.imagined(shown.places, shown.head, found.x)
+        rest = pose - self.imagined(places, head, found.x)
         kept = np.abs(rest - np.median(rest, 0)).max(1) < 0.4
         rest = rest[kept]
         return GazeReader(
@@ -131,7 +119,7 @@ class GazeReader:
 
     def like_me(self, pose: FloatArray, places: FloatArray, head: FloatArray) -> FloatArray:
         """(G,) P(pose | g_k) density: how one who wanted to look at (G, 3) places would hold the head."""
-        expected = self.imagined(places, np.tile(head, (len(places), 1))) + self.bias
+        expected = self.imagined(places, head) + self.bias
         away = pose - expected
         distance = np.einsum("gi,ij,gj->g", away, np.linalg.inv(self.covariance), away)
         scale = 2 * np.pi * np.sqrt(np.linalg.det(self.covariance))

@@ -45,6 +45,10 @@ COLOURS: Mapping[str, Colour] = MappingProxyType(
 _OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])  # (3, 2), orthonormal columns
 MARGIN = 3  # pixels of ground around a thing
 
+_LABELS = tuple(COLOURS)
+_HUES = np.array(list(COLOURS.values())) @ _OPPONENT
+_HUES /= np.linalg.norm(_HUES, axis=1)[:, None]
+"""Unit opponent vectors (colours, 2)."""
 _GREY = np.full(3, 1.0 / 3.0)
 _AROUND = np.ones((3, 3), bool)
 
@@ -53,42 +57,33 @@ class Feature(NamedTuple):
     """One coloured thing on one image."""
 
     label: str
-    """Name of its colour in the palette."""
+    """Name of its colour."""
     u: float
     """Column of its centroid, pixels."""
     v: float
     """Row of its centroid, pixels."""
     area: float
     """Pixels it covers, fractions of pixels included."""
-    contrast: float
-    """Length of its opponent colour, levels (0 to 208): how much it stands out of grey."""
     whole: bool
     """False when it touches the image's border: then its centroid is that of the part that shows."""
 
 
-def _check_image(image: npt.NDArray[np.uint8]) -> None:
+def find_features(image: npt.NDArray[np.uint8], least_area: float = LEAST_AREA) -> tuple[Feature, ...]:
+    """Coloured things on an image, by label in the order of `COLOURS`, larger ones first; what is absent is not listed.
+
+    A pixel belongs to the nearest hue of those when it is colourful enough; connected pixels make a thing. Its
+    centroid weighs each pixel by its coverage, taken as its opponent length over the largest in its 3 x 3
+    neighbourhood: inside a thing that is near 1 whatever the shading, on its rim it is the covered fraction.
+
+    Raises:
+        ImitationError: not a colour image.
+    """
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8:
         raise ImitationError(f"an image is (height, width, 3) of uint8; this has shape {image.shape} of {image.dtype}")
     if min(image.shape[:2]) < SMALLEST_IMAGE:
         raise ImitationError(
             f"an image of {image.shape[1]} x {image.shape[0]} pixels shows nothing; 3 x 3 is the least"
         )
-
-
-def find_features(
-    image: npt.NDArray[np.uint8], palette: Mapping[str, Colour] = COLOURS, *, least_area: float = LEAST_AREA
-) -> tuple[Feature, ...]:
-    """Coloured things on an image, by label in the palette's order, larger ones first; what is absent is not listed.
-
-    A pixel belongs to the nearest hue of the palette when it is colourful enough; connected pixels make a thing. Its
-    centroid weighs each pixel by its coverage, taken as its opponent length over the largest in its 3 x 3
-    neighbourhood: inside a thing that is near 1 whatever the shading, on its rim it is the covered fraction.
-
-    Raises:
-        ImitationError: not a colour image, or a palette with greyish or hardly different colours.
-    """
-    hues, labels = _hues(palette), tuple(palette)
-    _check_image(image)
     red, green, blue = (image[:, :, channel].astype(np.int16) for channel in range(3))
     spread = np.maximum(np.maximum(red, green), blue) - np.minimum(np.minimum(red, green), blue)
     rows, columns = np.nonzero(spread > LEAST_COLOUR)  # at least sqrt(3/2) times the opponent length
@@ -96,7 +91,7 @@ def find_features(
         return ()
     colour = image[rows, columns] @ _OPPONENT
     length = np.hypot(colour[:, 0], colour[:, 1])
-    cosine = colour @ hues.T / length[:, None]  # (pixels, colours)
+    cosine = colour @ _HUES.T / length[:, None]  # (pixels, colours)
     nearest = cosine.argmax(axis=1)
     fits = cosine.max(axis=1) >= np.cos(np.deg2rad(HUE_TOLERANCE_DEG))
     fits &= (length > LEAST_COLOUR) & (length > LEAST_SATURATION / 3.0 * image[rows, columns].sum(axis=1))
@@ -106,42 +101,19 @@ def find_features(
     found = []
     for index in np.unique(nearest[fits]):
         mine = []
-        for mask, top, left in _things(owner == index):
+        for mask, top, left, whole in _things(owner == index):
             window = (slice(top, top + mask.shape[0]), slice(left, left + mask.shape[1]))
-            place = _measure(image[window], hues[index], mask, (owner[window] >= 0) & ~mask)
+            place = _measure(image[window], _HUES[index], mask, (owner[window] >= 0) & ~mask)
             if place is not None and place[2] >= least_area:
-                u, v, area, contrast = place
-                mine.append(
-                    Feature(labels[index], u + left, v + top, area, contrast, not _on_border(mask, window, image))
-                )
+                u, v, area = place
+                mine.append(Feature(_LABELS[index], u + left, v + top, area, whole))
         found += sorted(mine, key=lambda feature: -feature.area)
     return tuple(found)
 
 
-def _hues(palette: Mapping[str, Colour]) -> FloatArray:
-    """Unit opponent vectors of a palette, (colours, 2)."""
-    if not palette:
-        raise ImitationError("an empty palette finds nothing; give at least one colour, such as {'red': (1, 0, 0)}")
-    rgb = np.array(list(palette.values()), float)
-    vectors = rgb @ _OPPONENT
-    length = np.linalg.norm(vectors, axis=1)
-    for label, colour, size in zip(palette, rgb, length, strict=True):
-        if not size > LEAST_SATURATION * colour.mean():
-            raise ImitationError(f"colour {label!r} {tuple(colour.tolist())} is too grey to be told from grey things")
-    unit = np.asarray(vectors / length[:, None])
-    alike = np.triu(unit @ unit.T, 1) > np.cos(np.deg2rad(HUE_TOLERANCE_DEG))
-    if alike.any():
-        names = list(palette)
-        i, j = np.argwhere(alike)[0]
-        raise ImitationError(
-            f"colours {names[i]!r} and {names[j]!r} differ by less than {HUE_TOLERANCE_DEG:g} degrees of hue; "
-            "an eye would take one for the other"
-        )
-    return unit
-
-
-def _things(mask: BoolArray) -> Iterator[tuple[BoolArray, int, int]]:
-    """Connected parts of a mask, each as a mask in a window with some ground around it and that window's top, left."""
+def _things(mask: BoolArray) -> Iterator[tuple[BoolArray, int, int, bool]]:
+    """Connected parts of a mask, each as a mask in a window with some ground around it, that window's top and left, and
+    whether it keeps off the border of the image."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     height, width = mask.shape
     first_row, first_column = rows[0], columns[0]
@@ -152,24 +124,13 @@ def _things(mask: BoolArray) -> Iterator[tuple[BoolArray, int, int]]:
         high, low = max(top - MARGIN, 0), max(left - MARGIN, 0)
         window = np.zeros((min(bottom + MARGIN, height) - high, min(right + MARGIN, width) - low), bool)
         window[top - high : bottom - high, left - low : right - low] = numbered[down, across] == number
-        yield window, int(high), int(low)
-
-
-def _on_border(mask: BoolArray, window: tuple[slice, slice], image: npt.NDArray[np.uint8]) -> bool:
-    """Whether a thing reaches the border of the image."""
-    down, across = window
-    return bool(
-        (down.start == 0 and mask[0].any())
-        or (across.start == 0 and mask[:, 0].any())
-        or (down.stop == image.shape[0] and mask[-1].any())
-        or (across.stop == image.shape[1] and mask[:, -1].any())
-    )
+        yield window, int(high), int(low), bool(top > 0 and left > 0 and bottom < height and right < width)
 
 
 def _measure(
     image: npt.NDArray[np.uint8], hue: FloatArray, mask: BoolArray, others: BoolArray
-) -> tuple[float, float, float, float] | None:
-    """Centroid u, v in the window, area and contrast of the thing `mask`; None for what is no thing after all.
+) -> tuple[float, float, float] | None:
+    """Centroid u, v in the window and area of the thing `mask`; None for what is no thing after all.
 
     Coverage a of a pixel from its brightness I and its opponent length s along the hue: the thing alone has I = rho s
     whatever its shading, so I - rho s = (1 - a) I_ground is what the ground behind it adds.
@@ -199,4 +160,4 @@ def _measure(
     area = float(weight.sum())
     v, u = np.nonzero(rim)
     weight = weight[v, u] / area
-    return float(weight @ u), float(weight @ v), area, contrast
+    return float(weight @ u), float(weight @ v), area

@@ -34,27 +34,16 @@ def alone(found: FloatArray) -> FloatArray:
 
 class Finder:
     """Images to places of the colours in `labels`; see `alone`. Specks under `least_area` square pixels are nothing:
-    where toys are known to be larger, the rim of one thing in front of another is not taken for a third.
+    where toys are known to be larger, the rim of one thing in front of another is not taken for a third. With the
+    `areas` as well, what is partly hidden can be told.
     """
 
-    areas = False
-
-    def __init__(self, labels: Sequence[str] = tuple(COLOURS), least_area: float = LEAST_AREA) -> None:
-        self.labels, self.least_area = tuple(labels), least_area
-
-    def __call__(self, image: NDArray[np.uint8]) -> FloatArray:
-        """(H, W, 3) bytes to (K, 2) pixels."""
-        return alone(candidates(find_features(image, least_area=self.least_area), self.labels))[:, :2]
-
-
-class Measurer:
-    """Images to (K, 3) u, v and area of the colours in `labels`: with the area, what is partly hidden can be told."""
-
-    areas = True
-
-    def __init__(self, labels: Sequence[str]) -> None:
-        self.labels = tuple(labels)
+    def __init__(
+        self, labels: Sequence[str] = tuple(COLOURS), least_area: float = LEAST_AREA, *, areas: bool = False
+    ) -> None:
+        self.labels, self.least_area, self.areas = tuple(labels), least_area, areas
 
     def __call__(self, image: NDArray[np.uint8]) -> FloatArray:
-        """(H, W, 3) bytes to (K, 3) pixels, pixels, square pixels."""
-        return alone(candidates(find_features(image), self.labels))
+        """(H, W, 3) bytes to (K, 2) pixels, or to (K, 3) pixels, pixels, square pixels."""
+        found = alone(candidates(find_features(image, self.least_area), self.labels))
+        return found if self.areas else found[:, :2]

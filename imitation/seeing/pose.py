@@ -18,7 +18,7 @@ import numpy as np
 from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.regression import regress
 from imitation.errors import ImitationError
-from imitation.filters.kalman import Belief, Filtered, System, constant_velocity, predict, smooth, update
+from imitation.filters.kalman import Belief, System, constant_velocity, predict, smooth, update
 
 DEGREE = 4
 """Of the polynomial in pan and tilt: a head that turns by 30 degrees hides and shows parts of its features."""
@@ -29,6 +29,8 @@ GATE = 12.0
 LEAST_NUMBERS = 4
 """Numbers needed for a pose from one frame alone."""
 ROUNDS = 8
+UNKNOWN = Belief(np.zeros(4), np.eye(4))
+"""Before the first pose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +98,14 @@ class Watched(NamedTuple):
     """(T,) numbers that the filter used."""
 
 
-def frame_pose(appearance: Appearance, numbers: FloatArray) -> FloatArray | None:
+def frame_pose(appearance: Appearance, numbers: FloatArray) -> FloatArray:
     """(2,) likeliest pose of one frame (M,) by itself: weighted Gauss-Newton from the best of a coarse grid of poses.
 
-    None when fewer than `LEAST_NUMBERS` numbers were seen.
+    NaN when fewer than `LEAST_NUMBERS` numbers were seen.
     """
     seen = np.isfinite(numbers) & np.isfinite(appearance.noise)
     if seen.sum() < LEAST_NUMBERS:
-        return None
+        return np.full(2, np.nan)
     grid = np.stack(np.meshgrid(*(np.linspace(a, b, 9) for a, b in zip(appearance.low, appearance.high, strict=True))))
     poses = grid.reshape(2, -1).T
     weight = 1.0 / appearance.noise[seen]
@@ -129,29 +131,25 @@ def watch(appearance: Appearance, numbers: FloatArray, dt: float, acceleration: 
     Raises:
         ImitationError: there is not one frame that shows a pose.
     """
-    filterable = LiveWatch(appearance, dt, acceleration)
-    raw, beliefs, predictions, used = np.full((len(numbers), 2), np.nan), [], [], []
-    for t, row in enumerate(numbers):
-        pose = frame_pose(appearance, row)
-        raw[t] = raw[t - 1] if pose is None and t else (np.nan if pose is None else pose)
-        predictions.append(filterable.ahead())
-        beliefs.append(filterable.see(row, pose))
-        used.append(filterable.used)
+    raw = np.array([frame_pose(appearance, row) for row in numbers])
     known = np.flatnonzero(np.isfinite(raw[:, 0]))
     if not len(known):
         raise ImitationError("no frame shows enough of a face to tell its pose; is the teacher in view?")
-    raw[: known[0]] = raw[known[0]]
-    start = known[0]
-    filtered = Filtered.of(beliefs[start:], predictions[start:])
-    after = smooth(filterable.system, filtered)
-    lead = ((start, 0), (0, 0))
+    raw = raw[known[np.maximum(np.searchsorted(known, np.arange(len(raw)), side="right") - 1, 0)]]
+    watching = LiveWatch(appearance, dt, acceleration)
+    ahead, seen, used = zip(
+        *((watching.ahead(), watching.see(row), watching.used) for row in numbers[known[0] :]), strict=True
+    )
+    filtered = Belief.stacked(seen)
+    after = smooth(watching.system, filtered, Belief.stacked(ahead))
+    lead = ((known[0], 0), (0, 0))
     deviation = np.sqrt(np.diagonal(after.covariance, axis1=1, axis2=2)[:, :2])
     return Watched(
         np.pad(after.mean[:, :2], lead, mode="edge"),
         np.pad(deviation, lead, mode="edge"),
         np.pad(filtered.mean[:, :2], lead, mode="edge"),
         raw,
-        np.array(used),
+        np.pad(used, lead[0]),
     )
 
 
@@ -168,15 +166,15 @@ class LiveWatch:
         """The belief one tick later, before looking; before the first pose, a broad one."""
         if self.belief is not None:
             self.belief = predict(self.system, self.belief)
-            return self.belief
-        return Belief(np.zeros(4), np.eye(4))
+        return self.belief or UNKNOWN
 
-    def see(self, numbers: FloatArray, pose: FloatArray | None = None) -> Belief:
-        """The belief after a frame's (M,) numbers; `pose` is the frame's own, which starts the filter."""
+    def see(self, numbers: FloatArray) -> Belief:
+        """The belief after a frame's (M,) numbers; the first frame that shows a pose starts the filter."""
         self.used = 0
         if self.belief is None:
-            if pose is None:
-                return Belief(np.zeros(4), np.eye(4))
+            pose = frame_pose(self.appearance, numbers)
+            if np.isnan(pose[0]):
+                return UNKNOWN
             self.belief = Belief(np.concatenate([pose, [0.0, 0.0]]), np.diag([0.01, 0.01, 0.5, 0.5]))
         there = np.isfinite(numbers) & np.isfinite(self.appearance.noise)
         if there.any():

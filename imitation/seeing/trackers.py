@@ -46,11 +46,10 @@ def by_filter(found: FloatArray, options: TrackOptions, rng: np.random.Generator
         if track is None:
             if np.isnan(only[0]):
                 continue
-            track, chosen = start(only[:2], options, particles=particles, rng=rng), only
+            track, chosen = start(only[:2], options, rng, particles), only
         else:
-            track, info = follow(track, here[:, :2], options, rng)
-            best = int(info.responsibility.argmax()) if len(here) else -1
-            chosen = here[best] if best >= 0 and info.responsibility[best] > 0.5 else np.full(3, np.nan)
+            track, share = follow(track, here[:, :2], options, rng)
+            chosen = here[share.argmax()] if (share > 0.5).any() else np.full(3, np.nan)
         numbers[t], place[t], spread[t] = chosen, track.position, np.sqrt(np.trace(track.covariance) / 2)
     return Followed(numbers, place, spread)
 

@@ -98,34 +98,19 @@ class Track(NamedTuple):
         return self.belief.covariance[..., :2, :2]
 
 
-class TrackInfo(NamedTuple):
-    """What a frame said, for those who look on."""
-
-    predicted: FloatArray
-    """(2,) where the thing was expected."""
-    responsibility: FloatArray
-    """(K,) probability that each detection is the thing."""
-    hidden: float
-    """Probability that none of them is."""
-
-
-def start(
-    place: npt.ArrayLike, options: TrackOptions, *, particles: int = 0, rng: np.random.Generator | None = None
-) -> Track:
-    """A track from a first detection (2,): Gaussian, or of so many `particles` (then `rng` is needed)."""
+def start(place: npt.ArrayLike, options: TrackOptions, rng: np.random.Generator, particles: int = 0) -> Track:
+    """A track from a first detection (2,): Gaussian, or of so many `particles`."""
     belief = _new(np.asarray(place, float), options)
     if not particles:
         return Track(belief)
-    if rng is None:
-        raise ImitationError("a particle track needs a random generator: start(place, options, particles=..., rng=...)")
     deviation = np.sqrt(np.diagonal(belief.covariance))
     return Track(pf.gather(belief.mean + deviation * rng.standard_normal((particles, 4))))
 
 
 def follow(
-    track: Track, detections: npt.ArrayLike, options: TrackOptions, rng: np.random.Generator | None = None
-) -> tuple[Track, TrackInfo]:
-    """One frame later, with its detections (K, 2); a particle track needs `rng`."""
+    track: Track, detections: npt.ArrayLike, options: TrackOptions, rng: np.random.Generator
+) -> tuple[Track, FloatArray]:
+    """One frame later, with its detections (K, 2); and the probability (K,) that each of them is the thing."""
     seen = np.asarray(detections, float).reshape(-1, 2)
     system = options.system
     belief = _ahead(track.belief, options, rng)
@@ -133,7 +118,6 @@ def follow(
         LookAlike(predict(system, other.belief), other.sightings, other.unseen + 1, other.age + 1, -1)
         for other in track.look_alikes
     ]
-    predicted = belief.mean[:2]
 
     known = [other for other in others if other.sightings >= CONFIRMED]
     fresh = [other for other in others if other.sightings < CONFIRMED]
@@ -157,9 +141,8 @@ def follow(
             share[kept[back].place] = 1.0
             belief = _adopt(belief, kept.pop(back).belief, rng)
 
-    hidden = float(1.0 - share.sum())
-    unseen = 0.0 if hidden < 0.5 else track.unseen_s + options.dt
-    return Track(belief, tuple(kept), unseen), TrackInfo(predicted, share, hidden)
+    unseen = 0.0 if 1.0 - share.sum() < 0.5 else track.unseen_s + options.dt
+    return Track(belief, tuple(kept), unseen), share
 
 
 def _reappeared(belief: Belief | pf.Particles, others: list[LookAlike], frames: int, options: TrackOptions) -> int:
@@ -171,9 +154,9 @@ def _reappeared(belief: Belief | pf.Particles, others: list[LookAlike], frames: 
     return int(value.argmax()) if np.isfinite(value).any() else -1
 
 
-def _adopt(belief: Belief | pf.Particles, found: Belief, rng: np.random.Generator | None) -> Belief | pf.Particles:
+def _adopt(belief: Belief | pf.Particles, found: Belief, rng: np.random.Generator) -> Belief | pf.Particles:
     """The newcomer's belief, in the shape of ours."""
-    if isinstance(belief, Belief) or rng is None:
+    if isinstance(belief, Belief):
         return found
     root = np.linalg.cholesky(found.covariance)
     return pf.gather(found.mean + rng.standard_normal(belief.states.shape) @ root.T)
@@ -185,26 +168,22 @@ def _new(place: FloatArray, options: TrackOptions) -> Belief:
     return Belief(np.concatenate([place, np.zeros(2)]), np.diag(deviation**2))
 
 
-def _ahead(
-    belief: Belief | pf.Particles, options: TrackOptions, rng: np.random.Generator | None
-) -> Belief | pf.Particles:
+def _ahead(belief: Belief | pf.Particles, options: TrackOptions, rng: np.random.Generator) -> Belief | pf.Particles:
     """The belief one frame later, before looking."""
     system = options.system
     if isinstance(belief, Belief):
         return predict(system, belief)
-    if rng is None:
-        raise ImitationError("a particle track needs a random generator: follow(track, detections, options, rng)")
 
     def drift(rng: np.random.Generator, states: FloatArray) -> FloatArray:
         push = options.acceleration * rng.standard_normal((*states.shape[:-1], 2))
         kick = np.concatenate([0.5 * options.dt**2 * push, options.dt * push], axis=-1)
         return np.asarray(states @ system.transition.T + kick)
 
-    return pf.step(rng, belief, drift, None)[0]
+    return pf.step(rng, belief, drift, None)
 
 
 def _look(
-    belief: Belief | pf.Particles, seen: FloatArray, options: TrackOptions, rng: np.random.Generator | None
+    belief: Belief | pf.Particles, seen: FloatArray, options: TrackOptions, rng: np.random.Generator
 ) -> tuple[Belief | pf.Particles, FloatArray]:
     """The belief after the mixture likelihood of detections (K, 2), and each one's responsibility (K,).
 
@@ -217,21 +196,20 @@ def _look(
         density = np.exp(_log_density(belief, seen, options))
         share = ratio * density / (1.0 - options.detection + ratio * density.sum())
         system = options.system
-        after, info = update(system, belief, share @ seen + (1.0 - share.sum()) * (system.observation @ belief.mean))
+        after, gain = update(system, belief, share @ seen + (1.0 - share.sum()) * (system.observation @ belief.mean))
         away = seen - system.observation @ belief.mean
         combined = share @ away
         scatter = np.einsum("k,ki,kj->ij", share, away, away) - np.outer(combined, combined)
         hidden = 1.0 - share.sum()
         covariance = hidden * belief.covariance + (1.0 - hidden) * after.covariance
-        return Belief(after.mean, covariance + info.gain @ scatter @ info.gain.T), share
-    assert rng is not None  # `_ahead` has refused to go on without
+        return Belief(after.mean, covariance + gain @ scatter @ gain.T), share
     away = belief.states[:, None, :2] - seen
     variance = options.noise**2
     density = np.exp(-0.5 * (away**2).sum(axis=-1) / variance) / (2.0 * np.pi * variance)  # (P, K)
     explained = belief.weights @ density
     share = ratio * explained / (1.0 - options.detection + ratio * explained.sum())
     log_likelihood = np.log(1.0 - options.detection + ratio * density.sum(axis=1))
-    return pf.step(rng, belief, None, lambda _: log_likelihood)[0], share
+    return pf.step(rng, belief, None, lambda _: log_likelihood), share
 
 
 def _log_density(belief: Belief | pf.Particles, seen: FloatArray, options: TrackOptions) -> FloatArray:

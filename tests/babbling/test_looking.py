@@ -91,7 +91,6 @@ def test_one_saccade_of_equation_one_brings_a_thing_to_the_middle(mind: LookingM
     away = np.hypot(*after[every, target, :2].T)[use]
     assert not saccade.uninformed[use].any()
     assert away.max() < 0.8
-    np.testing.assert_allclose(saccade.posterior[0].probability[use].sum(1), 1.0)
 
 
 def test_efference_copy_says_that_nothing_moves_when_nothing_is_done() -> None:

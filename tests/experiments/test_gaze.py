@@ -8,7 +8,7 @@ from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import own_experience
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import Scene
+from experiments.gaze.trials import view
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore
 from models.biclops.cloth import through_cloth
@@ -61,14 +61,14 @@ def test_a_teacher_that_looks_at_a_toy_has_it_in_the_middle_of_its_view() -> Non
 
 
 def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
-    view = Scene(Config(), 0.95, 3.0).view()
+    seen = view(Config())
     rng = np.random.default_rng(0)
-    four = lay_out(rng, 4, 0.95, view, (15.0, 180.0))
+    four = lay_out(rng, 4, 0.95, seen, (15.0, 180.0))
     first, second = np.triu_indices(4, 1)
     assert np.rad2deg(separation(four[first], four[second], 0.95)).min() >= 15.0
-    pair = lay_out(rng, 2, 0.95, view, (5.7, 6.3))
+    pair = lay_out(rng, 2, 0.95, seen, (5.7, 6.3))
     assert np.rad2deg(separation(pair[0], pair[1], 0.95)) == pytest.approx(6.0, abs=0.3)
-    assert not possible(np.array([[0.2, 0.6, 0.022]]), 0.95, view, (0.0, 180.0))
+    assert not possible(np.array([[0.2, 0.6, 0.022]]), 0.95, seen, (0.0, 180.0))
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,16 @@
 """What is told of an image: one place for each colour, or none where that would be a guess."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from imitation.seeing.features import COLOURS, Feature
-from imitation.seeing.finding import EVEN_SHARE, Finder, Measurer, alone, candidates
+from imitation.seeing.finding import EVEN_SHARE, Finder, alone, candidates
 
 LABELS = ("red", "blue", "cyan", "lime")
 
 
 def thing(label: str, area: float, whole: bool = True, u: float = 10.0) -> Feature:
-    return Feature(label, u, 20.0, area, 100.0, whole)
+    return Feature(label, u, 20.0, area, whole)
 
 
 def test_candidates_are_listed_by_colour_and_size_and_what_is_cut_has_no_place() -> None:
@@ -51,13 +49,15 @@ def drawn(squares: list[tuple[str, int, int, int]]) -> np.ndarray:
     return image
 
 
-@pytest.mark.parametrize("kind", [Finder, Measurer])
-def test_images_to_numbers(kind: Callable[[tuple[str, ...]], Finder | Measurer]) -> None:
+@pytest.mark.parametrize("areas", [False, True])
+def test_images_to_numbers(areas: bool) -> None:
     image = drawn([("red", 10, 20, 7), ("blue", 30, 5, 5), ("blue", 50, 40, 5), ("cyan", 75, 30, 5)])
-    found = kind(LABELS)(image)
+    found = Finder(LABELS, areas=areas)(image)
     np.testing.assert_allclose(found[0], [13, 23, 49][: found.shape[1]], atol=0.2)
     assert np.isnan(found[1:]).all()  # two blue ones, a cyan one at the border, nothing lime
-    np.testing.assert_array_equal(found[[3, 0]], kind(("lime", "red"))(image))  # rows are in the labels' order
+    np.testing.assert_array_equal(
+        found[[3, 0]], Finder(("lime", "red"), areas=areas)(image)
+    )  # rows are in the labels' order
 
 
 def test_specks_under_the_least_area_are_nothing() -> None:

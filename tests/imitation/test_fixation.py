@@ -79,7 +79,8 @@ def test_a_flat_table_leaves_it_to_the_efference_copy_and_the_second_motor_start
     things, posture = np.array([[-20.0, 15.0, -28.0, 15.0]]), np.array([[0.1, 0.1]])
     saccade = Watched(mind).choose(things, posture, np.random.default_rng(0), goal=(2.0, -1.0))
     np.testing.assert_allclose(saccade.change, [[0.22, -0.16]], atol=2e-3)
-    np.testing.assert_allclose(saccade.expected, [[2.0, -1.0, -6.0, -1.0]], atol=0.2)
+    after = mind.expect(things, posture, saccade.change)
+    np.testing.assert_allclose(after, [[2.0, -1.0, -6.0, -1.0]], atol=0.2)
     (_, first, before), (_, then, after) = asked
     np.testing.assert_array_equal(first, things)
     np.testing.assert_array_equal(before, posture)

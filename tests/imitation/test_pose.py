@@ -128,7 +128,7 @@ def test_a_lying_feature_is_left_out_with_all_its_numbers() -> None:
 def test_what_was_believed_is_carried_on_and_nothing_seen_changes_nothing() -> None:
     look, still = known(4.0), looks(np.zeros(2))
     watching, rng = LiveWatch(look, 0.04, acceleration=0.01), np.random.default_rng(0)
-    first = watching.see(still, np.zeros(2))
+    first = watching.see(still)
     for _ in range(30):
         watching.ahead()
         last = watching.see(still + 4.0 * rng.standard_normal(6))

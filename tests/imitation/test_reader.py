@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imitation.errors import ImitationError
-from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, Shown, facing
+from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, facing
 
 
 class LikeMe(GazeReader):
@@ -61,7 +61,7 @@ def test_facing_is_an_involution_and_the_other_sees_our_left_on_its_right() -> N
 
 def test_like_me_is_a_density_that_peaks_at_the_looked_at_thing() -> None:
     gaze = replace(reader(), bias=np.array([0.02, -0.03]), covariance=np.array([[0.004, 0.001], [0.001, 0.002]]))
-    expected = gaze.imagined(PLACES, np.tile(HEAD, (3, 1))) + gaze.bias
+    expected = gaze.imagined(PLACES, HEAD) + gaze.bias
     for k, pose in enumerate(expected):
         density = gaze.like_me(pose, PLACES, HEAD)
         assert density.argmax() == k
@@ -91,7 +91,7 @@ def test_a_lapse_bounds_what_one_look_can_say(pan: float, tilt: float, sees: flo
 
 def test_equation_two_agrees_with_bayes_by_hand() -> None:
     gaze, prior, pose = reader(), np.array([0.2, 0.5, 0.3]), np.array([-0.3, 0.35])
-    expected = gaze.imagined(PLACES, np.tile(HEAD, (3, 1)))
+    expected = gaze.imagined(PLACES, HEAD)
     density = np.exp(-0.5 * ((pose - expected) ** 2).sum(1) / 0.05**2) / (2 * np.pi * 0.05**2)
     by_hand = ((1 - LAPSE) * density + LAPSE * ANYWHERE) * prior
     np.testing.assert_allclose(gaze.read(pose, PLACES, HEAD, prior).probability, by_hand / by_hand.sum(), rtol=1e-9)
@@ -108,11 +108,11 @@ def test_where_gaze_comes_from_and_how_surely_is_learned_from_shown_goals() -> N
     origin = np.array([-0.5, 0.1, -0.3])
     places = rng.uniform((3, -3, -2.2), (7, 3, -1.8), (120, 3))
     pose = reader().imagined(places, HEAD, origin) + 0.05 * rng.standard_normal((120, 2))
-    learned = reader().learned(Shown(places, np.tile(HEAD, (120, 1)), pose))
+    learned = reader().learned(places, pose, HEAD)
     np.testing.assert_allclose(learned.origin, origin, atol=0.3)
     np.testing.assert_allclose(np.sqrt(np.diag(learned.covariance)), 0.05, rtol=0.25)
     with pytest.raises(ImitationError, match="12 are needed"):
-        reader().learned(Shown(places[:5], np.tile(HEAD, (5, 1)), pose[:5]))
+        reader().learned(places[:5], pose[:5], HEAD)
 
 
 def test_preferences_are_counts_over_salience() -> None:
