@@ -7,7 +7,7 @@ kept: it is the belief over discrete states that a sense leaves behind.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,9 +17,16 @@ from babbling.errors import BabblingError
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+Number = TypeVar("Number", bound=np.generic)
 
 UNIT = 1 << 12
 """Soft weights are integers, multiples of 1 / UNIT: their sums are exact, so counts merge exactly in any order."""
+
+
+def fixed(values: NDArray[Number]) -> NDArray[Number]:
+    """The same array, read-only from now on."""
+    values.flags.writeable = False
+    return values
 
 
 class Soft(NamedTuple):
@@ -67,8 +74,7 @@ class Axis:
                 "low must lie below high"
             )
         for name, value in (("low", low), ("high", high)):
-            value.flags.writeable = False
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, fixed(value))
 
     @classmethod
     def categorical(cls, name: str, labels: tuple[str, ...], factors: int = 1) -> "Axis":
@@ -95,16 +101,12 @@ class Axis:
     @cached_property
     def points(self) -> FloatArray:
         """(F, size) grid points, in the axis' unit."""
-        points: FloatArray = np.linspace(self.low, self.high, self.size, axis=-1)
-        points.flags.writeable = False
-        return points
+        return fixed(np.linspace(self.low, self.high, self.size, axis=-1))
 
     @cached_property
     def step(self) -> FloatArray:
         """(F,) distance between grid points, in the axis' unit (1 for categories)."""
-        step = (self.high - self.low) / (self.size - 1) if not self.is_categorical else np.ones(self.factors)
-        step.flags.writeable = False
-        return step
+        return fixed(np.ones(self.factors) if self.is_categorical else (self.high - self.low) / (self.size - 1))
 
     def same(self, other: "Axis") -> bool:
         """Whether both are the very same grid."""

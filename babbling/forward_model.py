@@ -10,13 +10,14 @@ relative frequencies, a row nobody tried is all zeros) or the linear-Gaussian fi
 Counts are integers: models learned apart are merged by adding, exactly, in any order.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import Axis, BoolArray, FloatArray, IntArray
+from babbling.axes import Axis, BoolArray, FloatArray, IntArray, fixed
 from babbling.counting import count_categories, count_softly, weight_bits
 from babbling.errors import BabblingError
 from babbling.grids import Cells, hat_mass, located
@@ -66,7 +67,6 @@ class ForwardModel:
         low = np.stack([axis.low for axis in self.axes], axis=1)
         high = np.stack([axis.high for axis in self.axes], axis=1)
         self.moments = LinearGaussian(names, low, np.maximum(high, low + 1e-12))
-        self._cache: dict[str, FloatArray] = {}
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -90,14 +90,13 @@ class ForwardModel:
         values = [np.asarray(v) if categories else np.asarray(v, float) for v in (*context, action, outcome)]
         if len(values) != len(self.axes) or any(v.shape != values[-1].shape for v in values):
             raise BabblingError(f"expected {len(self.axes)} arrays of one shape (N, {len(self.factors)})")
-        observe = self._observe_categories if categories else self._observe
         for start in range(0, len(values[0]), _CHUNK):
-            observe([v[start : start + _CHUNK] for v in values])
-        self._cache.clear()
-
-    def _observe_categories(self, values: list[FloatArray]) -> None:
-        """What `_observe` does where every assignment is hard: no moments but the sample size."""
-        self.add(count_categories(self.axes, values))
+            some = [v[start : start + _CHUNK] for v in values]
+            if categories:
+                self.add(count_categories(self.axes, some))
+            else:
+                self._observe(some)
+        self._forget()
 
     def _observe(self, values: list[FloatArray]) -> None:
         happened = ~np.logical_or.reduce([np.isnan(v) for v in values])
@@ -125,7 +124,7 @@ class ForwardModel:
             )
         self.counts += counts
         self.moments.sums[:, 0, 0] += counts.reshape(len(self.factors), -1).sum(1) * SCALE**2
-        self._cache.clear()
+        self._forget()
 
     def merge(self, other: "ForwardModel") -> None:
         """Add what another model of the same axes learned: equal to having learned on the union.
@@ -138,56 +137,42 @@ class ForwardModel:
         self.counts += other.counts
         self.outside += other.outside
         self.moments.sums += other.moments.sums
-        self._cache.clear()
+        self._forget()
 
-    def empty(self) -> "ForwardModel":
-        """The same axes, nothing learned."""
-        return ForwardModel(
-            self.contexts,
-            self.action,
-            self.outcome,
-            factors=self.factors,
-            prior_strength=self.prior_strength,
-            fingerprint=self.fingerprint,
-        )
+    def _forget(self) -> None:
+        """What follows from the counts has to be worked out anew."""
+        for table in ("predictive", "visits", "by_outcome", "mean", "habits"):
+            vars(self).pop(table, None)
 
     # --------------------------------------------------------------- predicting
 
-    @property
+    @cached_property
     def predictive(self) -> FloatArray:
         """`[factor, context..., action, outcome]`: P(outcome | context, action); rows without any evidence are zero."""
-        return self._cached("predictive", self._predict)
-
-    def _predict(self) -> FloatArray:
         table: FloatArray = self.counts / self.unit
         visits = table.sum(-1, keepdims=True)
         if self.prior_strength > 0:
             table += self.prior_strength * self.prior()
             visits = visits + self.prior_strength
-        np.divide(table, visits, out=table, where=visits > 0)
-        return table
+        return fixed(np.divide(table, visits, out=table, where=visits > 0))
 
-    @property
+    @cached_property
     def visits(self) -> FloatArray:
         """`[factor, context..., action]`: how often each row was tried (soft counts, as real numbers)."""
-        return self._cached("visits", lambda: self.counts.sum(-1) / self.unit)
+        return fixed(self.counts.sum(-1) / self.unit)
 
-    @property
+    @cached_property
     def by_outcome(self) -> FloatArray:
         """`[factor, context..., outcome, action]`: `predictive`, laid out to be read backwards."""
-        return self._cached("by outcome", lambda: np.ascontiguousarray(np.swapaxes(self.predictive, -1, -2)))
+        return fixed(np.ascontiguousarray(np.swapaxes(self.predictive, -1, -2)))
 
-    @property
+    @cached_property
     def mean(self) -> FloatArray:
         """`[factor, context..., action]`: E[outcome | context, action] in the outcome's unit."""
-        return self._cached("mean", self._mean)
-
-    def _mean(self) -> FloatArray:
         points = self.outcome.points.reshape(len(self.factors), *(1,) * (len(self.contexts) + 1), self.outcome.size)
-        mean: FloatArray = (self.predictive * points).sum(-1)
-        return mean
+        return fixed((self.predictive * points).sum(-1))
 
-    @property
+    @cached_property
     def habits(self) -> FloatArray:
         """`[factor, context..., action]`: P(action | context), how often each action was taken there.
 
@@ -195,15 +180,11 @@ class ForwardModel:
         experience and k the prior strength: the learned prior over actions of Eq. (1) when there is no goal but to move
         as one is used to. Where nothing was tried and k is 0 the row is zero.
         """
-        return self._cached("habits", self._habits)
-
-    def _habits(self) -> FloatArray:
         table = self.visits.copy()
         if self.prior_strength > 0:
             table += self.prior_strength * self._gaussian(self.action, self.contexts)
         total = table.sum(-1, keepdims=True)
-        np.divide(table, total, out=table, where=total > 0)
-        return table
+        return fixed(np.divide(table, total, out=table, where=total > 0))
 
     def linear(self) -> LinearFit:
         """The least-squares line outcome = f(contexts, action) of the same experience."""
@@ -244,13 +225,6 @@ class ForwardModel:
     def expected(self, context: Sequence[ArrayLike], action: ArrayLike) -> FloatArray:
         """E[outcome | context, action] in the outcome's unit: (..., F) values in, (..., F) out."""
         return self.at(context).expected(action)
-
-    def _cached(self, name: str, make: Callable[[], FloatArray]) -> FloatArray:
-        if name not in self._cache:
-            table = make()
-            table.flags.writeable = False
-            self._cache[name] = table
-        return self._cache[name]
 
 
 class Rows(NamedTuple):

@@ -26,9 +26,8 @@ from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel, same_axes
 from babbling.kinds import Numbers, kind
-from babbling.loop import explore, flat
+from babbling.loop import Transitions, explore, flat
 from babbling.pilot import symmetric, wire
-from babbling.reading import Transitions
 from babbling.regression import LinearFit, regress
 from babbling.schema import BodySchema
 
@@ -93,7 +92,7 @@ def copy_terms(action: FloatArray, *context: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class LookingPilot:
-    """What the first saccades found; a `babbling.loop.Babbler`, and how saccades are read (`babbling.reading`)."""
+    """What the first saccades found; a `babbling.loop.Babbler`."""
 
     retina: Retina
     reach: Reach
@@ -108,11 +107,6 @@ class LookingPilot:
         first, coordinates, centre, _ = self.retina
         if coordinates not in (2, 4) or len(centre) != coordinates or not (self.schema.posture < first).all():
             raise BabblingError("one or two eyes, and motors that are felt before them, are needed; babble anew")
-
-    @property
-    def reading(self) -> "LookingPilot":
-        """How saccades are read."""
-        return self
 
     @property
     def motor(self) -> IntArray:

@@ -5,7 +5,7 @@ any machine, be interrupted and resumed, and still give the same counts.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -13,17 +13,26 @@ from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
-from babbling.reading import Reading
 
 BOUT_TICKS = 500
+
+
+class Transitions(NamedTuple):
+    """What a forward model counts; NaN marks "nothing to learn here for this factor"."""
+
+    context: tuple[FloatArray, ...]
+    """One (N, F) array per context axis."""
+    action: FloatArray
+    """(N, F)."""
+    outcome: FloatArray
+    """(N, F)."""
 
 
 class Babbler(Protocol):
     """What a body does when it babbles, and how what it feels is read."""
 
-    @property
-    def reading(self) -> Reading:
-        """How sensations become transitions."""
+    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
+        """(N, S) sensations, (N, M) commands and (N, S) sensations after them, read as (context, action, outcome)."""
 
     def forward_model(self) -> ForwardModel:
         """An empty forward model on this babbler's axes."""
@@ -98,6 +107,6 @@ def babble(
     model = babbler.forward_model() if onto is None else onto
     for bout in range(first, len(plan)):
         before, motors, after = flat(*experience(body, babbler, seed, bout, plan[bout]))
-        model.observe(*babbler.reading.transitions(before, motors, after))
+        model.observe(*babbler.transitions(before, motors, after))
         after_bout(bout + 1, model)
     return model

@@ -14,13 +14,12 @@ import numpy as np
 
 from babbling.axes import Axis, FloatArray
 from babbling.body import Body
-from babbling.dynamics import MOST, LinearDynamics, fit_dynamics
+from babbling.dynamics import LinearDynamics, fit_dynamics
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, smooth
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers
-from babbling.loop import explore, flat
-from babbling.reading import Proprioception
+from babbling.loop import Transitions, explore, flat
 from babbling.schema import BodySchema, find_schema
 
 GRID = (15, 91, 91)
@@ -43,8 +42,6 @@ class Pilot:
 
     schema: BodySchema
     motors: MotorRange
-    coasting: Annotated[FloatArray, Numbers("motor", "s", low=-MOST, high=MOST)]
-    """(F,) s: displacement in one tick per unit of rate when told to stay."""
     dynamics: LinearDynamics
     rate: Annotated[Axis, Numbers("motor")]
     action: Annotated[Axis, Numbers("motor")]
@@ -52,10 +49,9 @@ class Pilot:
     minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time the pilot took."""
 
-    @property
-    def reading(self) -> Proprioception:
-        """How this mind reads its senses."""
-        return Proprioception(self.schema, self.coasting)
+    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
+        """How far beyond coasting did the posture come, given its speed and how far it was told to go; see `beyond`."""
+        return beyond(self.schema, self.dynamics, before, motors, after)
 
     def forward_model(self) -> ForwardModel:
         """An empty forward model on these axes, one factor per motor."""
@@ -86,13 +82,25 @@ def pilot(body: Body, seed: int) -> Pilot:
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
     dynamics = fit_dynamics(schema, motors, senses)
-    coasting = dynamics.coasting
-    seen = Proprioception(schema, coasting).transitions(*flat(motors, senses))
+    seen = beyond(schema, dynamics, *flat(motors, senses))
     rate = symmetric("rate", "rad/s", seen.context[0], GRID[0])
     action = symmetric("action", "rad", seen.action, GRID[1])
     outcome = symmetric("outcome", "rad", seen.outcome, GRID[2])
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
-    return Pilot(schema, span, coasting, dynamics, rate, action, outcome, minutes)
+    return Pilot(schema, span, dynamics, rate, action, outcome, minutes)
+
+
+def beyond(
+    schema: BodySchema, dynamics: LinearDynamics, before: FloatArray, motors: FloatArray, after: FloatArray
+) -> Transitions:
+    """A servo's own view of (N, S) sensations, (N, M) commands and what they led to.
+
+    Law, per factor with posture q, rate v, commanded posture c:
+    context v, action a = c - q, outcome w = q' - q - k v: the displacement beyond coasting, where k is how far a body
+    moving at unit rate drifts in one tick when it is told to stay (a servo brakes: k is well below the tick).
+    """
+    q, v = before[:, schema.posture], before[:, schema.rate]
+    return Transitions((v,), schema.efference(motors) - q, after[:, schema.posture] - q - v * dynamics.coasting)
 
 
 def wire(body: Body, stream: Iterator[FloatArray], lines: slice = slice(None)) -> tuple[BodySchema, int]:

@@ -10,7 +10,7 @@ known in its own units, W ~ N(0, I / prior), ridge = prior s^2, and that s^2 is 
 greatest (MacKay 1992). All it needs are the second moments of z = (x, y), which add over experience.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -64,31 +64,22 @@ class LinearFit(NamedTuple):
         return np.asarray((x * np.linalg.solve(self.precision, x)).sum(1).T)
 
 
-Term = Callable[[Mapping[str, FloatArray]], FloatArray]
-"""A feature made of channels by name, each cut to its range and scaled to -1 .. 1; it stays within -1 .. 1 itself."""
-
-
 class LinearGaussian:
     """Second moments of named channels for F factors: exact, so merging (adding `sums`) is the same in any order.
 
-    Values are kept as integers, 2^-15 of a channel's half range; any channels and terms can be targets and inputs.
+    Values are kept as integers, 2^-15 of a channel's half range; any channels can be targets and inputs.
 
     Args:
         channels: C names.
         low, high: (F, C) ranges of the channels; values beyond them are cut.
-        terms: more features by name.
     """
 
-    def __init__(
-        self, channels: Sequence[str], low: FloatArray, high: FloatArray, terms: Mapping[str, Term] | None = None
-    ) -> None:
-        self.channels, self.terms = tuple(channels), dict(terms or {})
-        self.names = ("1", *self.channels, *self.terms)
-        around = ((0, 0), (1, len(self.terms)))
-        self.centre = np.pad((low + high) / 2, around)
-        self.half = np.pad((high - low) / 2, around, constant_values=1)
+    def __init__(self, channels: Sequence[str], low: FloatArray, high: FloatArray) -> None:
+        self.names = ("1", *channels)
+        self.centre = np.pad((low + high) / 2, ((0, 0), (1, 0)))
+        self.half = np.pad((high - low) / 2, ((0, 0), (1, 0)), constant_values=1)
         self.sums: IntArray = np.zeros((len(low), *2 * (len(self.names),)), np.int64)
-        """(F, Z, Z) sums of z z^T in fixed point, z = (1, channels, terms)."""
+        """(F, Z, Z) sums of z z^T in fixed point, z = (1, channels)."""
 
     @property
     def samples(self) -> IntArray:
@@ -97,14 +88,9 @@ class LinearGaussian:
 
     def observe(self, values: FloatArray, keep: BoolArray) -> None:
         """Add (N, F, C) values; rows where `keep` (N, F) is False are left out."""
-        mine = slice(1, 1 + len(self.channels))
         ones = np.full((*keep.shape, 1), float(SCALE))
-        z = np.concatenate([ones, (values - self.centre[:, mine]) * (SCALE / self.half[:, mine])], axis=-1)
+        z = np.concatenate([ones, (values - self.centre[:, 1:]) * (SCALE / self.half[:, 1:])], axis=-1)
         np.clip(z, -SCALE, SCALE, out=z)
-        if self.terms:
-            scaled = dict(zip(self.channels, np.moveaxis(z[..., 1:] / SCALE, -1, 0), strict=True))
-            made = np.stack([term(scaled) for term in self.terms.values()], axis=-1)
-            z = np.concatenate([z, np.clip(made * SCALE, -SCALE, SCALE)], axis=-1)
         np.rint(z, out=z)
         if not keep.all():
             z *= keep[..., None]

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import IntArray
+from babbling.axes import IntArray, fixed
 from babbling.kinds import Numbers
 from imitation.errors import ImitationError
 
@@ -46,9 +46,7 @@ def _whole(name: str, values: ArrayLike) -> IntArray:
     array = np.array(values)
     if array.ndim != 1 or (array.size and (array.dtype.kind not in "iu" or array.min() < 0)):
         raise ImitationError(f"{name} of a demonstration: a list of whole numbers from 0 is needed")
-    array = array.astype(np.int64)
-    array.flags.writeable = False
-    return array
+    return fixed(array.astype(np.int64))
 
 
 def check_range(episodes: Sequence[Episode], goals: int, states: int, actions: int) -> None:

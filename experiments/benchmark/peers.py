@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.loop import Transitions
 from babbling.mind import Mind
-from babbling.reading import Transitions
 from imitation.inference.inverse import Choice, Term, single
 
 

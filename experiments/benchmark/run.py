@@ -1,6 +1,7 @@
 """Peers in one table: same body, same babbling, same loop, each inverse model at its best gain; and what it costs."""
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,9 +25,8 @@ from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
 from imitation.acting.loop import imitate
-from imitation.acting.rehearsal import best_eagerness
+from imitation.acting.rehearsal import EAGERNESS, best_eagerness
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse
-from models.body import SimulatedBody
 from models.feedforward import feedforward_angles
 
 
@@ -47,8 +47,10 @@ def run(config: Config) -> Result:
             row = {"direct replay": rmse_deg(direct_replay(body, one.angles), one.angles)}
             for peer, inverse in peers.items():
                 if peer not in gains:
-                    bayesian = isinstance(inverse, BayesianInverse)
-                    gains[peer] = mind.temper.eagerness if bayesian else best_gain(config, mind, inverse)
+                    bayesian, stage = isinstance(inverse, BayesianInverse), body_of(config, len(EAGERNESS), stream=1)
+                    gains[peer] = (
+                        mind.temper.eagerness if bayesian else best_eagerness(stage, mind, inverse, config.seed)
+                    )
                 attempts = imitate(
                     body,
                     one.movement,
@@ -68,7 +70,8 @@ def run(config: Config) -> Result:
                         float(np.median(select)),
                         float(np.quantile(select, 0.99)),
                     )
-            row["true inverse dynamics"] = rmse_deg(true_inverse(body, one.angles), one.angles)
+            fed_forward = replay_commands(body, one.angles, partial(feedforward_angles, body))
+            row["true inverse dynamics"] = rmse_deg(fed_forward, one.angles)
             errors[name] = row
             report((done + 1) / len(seen))
     metrics["rmse_deg"] = errors
@@ -95,18 +98,8 @@ def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
     if have_sklearn():
         body = body_of(options, COPIES)
         before, motors, after = flat(*experience(body, mind.pilot, options.seed, 0, BOUT_TICKS))
-        models["MLP"] = MLPInverse(mind, mind.pilot.reading.transitions(before, motors, after), options.seed)
+        models["MLP"] = MLPInverse(mind, mind.pilot.transitions(before, motors, after), options.seed)
     return models
-
-
-def best_gain(options: BodyOptions, mind: Mind, inverse: InverseModel) -> FloatArray:
-    """(F,) eagerness at which this inverse model feels closest in rehearsal."""
-    return best_eagerness(lambda copies: body_of(options, copies, stream=1), mind, inverse, options.seed)
-
-
-def true_inverse(body: SimulatedBody, angles: FloatArray) -> FloatArray:
-    """(T, J) angles reached by inverse-dynamics feedforward with the true model."""
-    return replay_commands(body, angles, lambda whole: feedforward_angles(body, whole))
 
 
 def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 250) -> float:

@@ -19,7 +19,7 @@ from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, retarget_metrics, watch
 from imitation.acting.loop import Attempt, imitate
-from imitation.acting.rehearsal import best_eagerness
+from imitation.acting.rehearsal import EAGERNESS, best_eagerness
 from imitation.inference.inverse import LinearInverse
 from models.body import SimulatedBody
 
@@ -52,7 +52,7 @@ def run(config: Config) -> Result:
         witness=lambda: body.joint_angles,
     )
     line = LinearInverse(mind.forward_model)
-    eagerness = best_eagerness(lambda copies: body_of(config, copies, stream=1), mind, line, config.seed)
+    eagerness = best_eagerness(body_of(config, len(EAGERNESS), stream=1), mind, line, config.seed)
     peer = imitate(
         body,
         seen.movement,

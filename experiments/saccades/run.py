@@ -7,7 +7,7 @@ import numpy as np
 
 from babbling.files import save
 from babbling.looking import LookingMind
-from babbling.reading import Transitions
+from babbling.loop import Transitions
 from experiments.saccades.figures import figures
 from experiments.saccades.found import Glance
 from experiments.saccades.options import Config

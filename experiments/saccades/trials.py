@@ -8,8 +8,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray
 from babbling.looking import LookingMind, saccades
-from babbling.loop import explore, flat
-from babbling.reading import Transitions
+from babbling.loop import Transitions, explore, flat
 from babbling.regression import regress
 from imitation.gaze.fixation import Fixation
 from models.seeing_body import SeeingBody

@@ -8,8 +8,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel
 from babbling.looking import LookingMind, LookingPilot, Reach, pilot_looking
-from babbling.loop import BOUT_TICKS, babble
-from babbling.reading import Transitions
+from babbling.loop import BOUT_TICKS, Transitions, babble
 from experiments.errors import ExperimentError
 from experiments.shared.options import EyeOptions
 from imitation.seeing.features import COLOURS

@@ -18,7 +18,7 @@ from babbling.pilot import Pilot, pilot
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
-from imitation.acting.rehearsal import rehearse
+from imitation.acting.rehearsal import EAGERNESS, rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
 
@@ -70,7 +70,7 @@ class HeldOut:
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
         body = body_of(options, COPIES, stream=2)
         before, motors, after = flat(*experience(body, found, options.seed + 7919, 0, 100))
-        seen = found.reading.transitions(before, motors, after)
+        seen = found.transitions(before, motors, after)
         self.rate, self.action, self.outcome = seen.context[0], seen.action, seen.outcome
         self.points: list[tuple[float, float, float]] = []
 
@@ -130,7 +130,7 @@ def learn_mind(
     body.reseed(1 + first)
     model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-    mind = rehearse(lambda copies: body_of(options, copies, stream=1), mind, options.seed)
+    mind = rehearse(body_of(options, len(EAGERNESS), stream=1), mind, options.seed)
     report(1.0)
     ticks = sum(plan) - done_ticks
     metrics = {

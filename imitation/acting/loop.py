@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import BoolArray, FloatArray, fixed
 from babbling.body import Body
 from babbling.mind import Mind
 from imitation.acting.attempts import Practice
@@ -131,8 +131,7 @@ class Imitator:
         up = np.linspace(0, 1, len(way))[:, None, None]
         targets = np.concatenate([way + up * shift[:1], goals + shift])
         targets = np.concatenate([targets, 2 * targets[-1:] - targets[-2:-1]])  # one beyond: the last own pace
-        targets.flags.writeable = False
-        return State(0, self.estimate.start(posture, rate), targets)
+        return State(0, self.estimate.start(posture, rate), fixed(targets))
 
     def step(self, state: State, senses: FloatArray, rng: np.random.Generator) -> tuple[State, FloatArray, Info]:
         """One tick: feeling (B, S), the state after it, (B, M) motor commands, and what there is to see.
@@ -149,7 +148,7 @@ class Imitator:
         pace = (after - before) / ((2 if state.tick else 1) * self.tick_s)
         posture = target + self.eagerness * (belief.mean[..., 0] - target)
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
-        wanted = after - posture - self.mind.pilot.coasting * rate - belief.mean[..., 2]
+        wanted = after - posture - self.mind.pilot.dynamics.coasting * rate - belief.mean[..., 2]
         term = Term(self.mind.forward_model, (rate,), wanted)
         terms = [term, *self.terms(senses, belief.mean)]
         clock = time.perf_counter()

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, fixed
 from babbling.schema import BodySchema
 from imitation.errors import ImitationError
 
@@ -24,9 +24,7 @@ class Movement:
     def __post_init__(self) -> None:
         if self.senses.ndim != 2 or len(self.senses) < 3:
             raise ImitationError(f"{self.name}: {len(self.senses)} frames; a movement needs at least 3")
-        senses = np.array(self.senses, float)
-        senses.flags.writeable = False
-        object.__setattr__(self, "senses", senses)
+        object.__setattr__(self, "senses", fixed(np.array(self.senses, float)))
 
     def postures(self, schema: BodySchema) -> FloatArray:
         """(T, F) postures to come to.

@@ -6,7 +6,6 @@ and keeps, joint by joint, what felt closest; how far habit is trusted is settle
 own senses alone.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -62,15 +61,14 @@ def calmest(errors: FloatArray) -> NDArray[np.intp]:
     return first
 
 
-def rehearse(make_body: Callable[[int], Body], mind: Mind, seed: int) -> Mind:
+def rehearse(body: Body, mind: Mind, seed: int) -> Mind:
     """The same mind with a temper of its own.
 
     Args:
-        make_body: gives the body that babbled, in so many copies.
+        body: the one that babbled, a copy for each of `EAGERNESS`.
         mind: what babbling learned.
         seed: randomness of the made-up movement.
     """
-    body = make_body(len(EAGERNESS))
     errors = [felt_errors(body, mind, BayesianInverse(mind.forward_model, trust=trust), seed) for trust in TRUST]
     choice = np.stack([calmest(e) for e in errors])  # (trust, F)
     reached = np.stack([np.take_along_axis(e, c[None], 0)[0] for e, c in zip(errors, choice, strict=True)])
@@ -81,8 +79,6 @@ def rehearse(make_body: Callable[[int], Body], mind: Mind, seed: int) -> Mind:
     return replace(mind, temper=Temper(np.array(EAGERNESS)[chosen], np.array(TRUST)[trust]))
 
 
-def best_eagerness(make_body: Callable[[int], Body], mind: Mind, inverse: InverseModel, seed: int) -> FloatArray:
+def best_eagerness(body: Body, mind: Mind, inverse: InverseModel, seed: int) -> FloatArray:
     """(F,) the eagerness at which another inverse model feels closest, found in the same rehearsal (for peers)."""
-    errors = felt_errors(make_body(len(EAGERNESS)), mind, inverse, seed)
-    best: FloatArray = np.array(EAGERNESS)[calmest(errors)]
-    return best
+    return np.asarray(np.array(EAGERNESS)[calmest(felt_errors(body, mind, inverse, seed))])

@@ -16,7 +16,7 @@ import numpy as np
 from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import Image
 from babbling.mirroring import angles_between
-from imitation.correspondence.inversion import Chosen, LimbView, choose
+from imitation.correspondence.inversion import LimbView, choose
 from imitation.correspondence.limbs import own_limbs
 from imitation.correspondence.smooth_path import smooth_path
 from imitation.correspondence.steadying import steady
@@ -33,20 +33,17 @@ LEAST_TRUST = 0.02
 class Corresponded:
     """A movement that was seen, as postures of one's own.
 
-    postures: (T, F). parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. predicted:
-    (T, P', 3) directions that these postures should show. reachable: (T, P') whether a posture comes within REACHABLE
-    of what is wanted, time left aside. noise: (P',) seeing noise per axis, rad. chosen: limb by limb, what Eq. (1)
-    said. ignored: parts seen that one does not have. seconds: processor time it took, all threads together.
+    postures: (T, F). parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. reachable: (T, P')
+    whether a posture comes within REACHABLE of what is wanted, time left aside. noise: (P',) seeing noise per axis,
+    rad. chosen: (T, n) of each limb, before smoothing. seconds: processor time it took, all threads together.
     """
 
     postures: FloatArray
     parts: tuple[str, ...]
     wanted: FloatArray
-    predicted: FloatArray
     reachable: BoolArray
     noise: FloatArray
-    chosen: Mapping[tuple[str, ...], Chosen]
-    ignored: tuple[str, ...]
+    chosen: Mapping[tuple[str, ...], FloatArray]
     seconds: float
 
 
@@ -87,7 +84,7 @@ def correspond(
     }
     postures = np.tile(image.rest, (count, 1))
     reachable = np.zeros((count, len(parts)), bool)
-    chosen: dict[tuple[str, ...], Chosen] = {}
+    chosen: dict[tuple[str, ...], FloatArray] = {}
     for limb in own_limbs(image.moves):
         here = [
             (part, tolerance)
@@ -103,23 +100,19 @@ def correspond(
         doubt = np.array([steadied[part].doubt for part in names])
         precision = 1 / (doubt**2 + np.array([tolerance for _, tolerance in here]) ** 2)
         weights = trust * precision / precision.max()
-        found = choose(view, wanted, weights, doubt)
-        shown, _ = view.directions(found.angles, np.arange(count))
+        chosen[names] = angles = choose(view, wanted, weights, doubt)
+        shown, _ = view.directions(angles, np.arange(count))
         near = angles_between(shown, wanted) < REACHABLE
         reachable[:, [parts.index(part) for part in names]] = near
         postures[:, limb.factors] = smooth_path(
-            view, found.angles, weights, near & (trust == 1), doubt, speed[limb.factors], tick_s
+            view, angles, weights, near & (trust == 1), doubt, speed[limb.factors], tick_s
         )
-        chosen[names] = found
-    places = [image.parts.index(part) for part in parts]
     return Corresponded(
         postures,
         parts,
         np.stack([steadied[part].directions for part in parts], 1),
-        image.expected(postures)[:, places],
         reachable,
         np.array([steadied[part].noise for part in parts]),
         chosen,
-        tuple(part for part in seen if part not in image.parts),
         time.process_time() - started,
     )

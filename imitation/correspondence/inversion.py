@@ -9,11 +9,9 @@ Each is then refined where the body image is smooth: damped Gauss-Newton steps o
 range of the senses. The most probable path through the candidates (Viterbi 1967) is the answer.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.axes import FloatArray, IntArray
 from babbling.body_image import Image
 from imitation.correspondence.limbs import OwnLimb
 from imitation.inference.bayes import action_posterior
@@ -28,15 +26,6 @@ JUMP = 0.3
 """What a squared jump between frames (rad^2) counts in the path, against squared errors of the first part."""
 CANDIDATES = 3
 STEPS, TOLERANCE, GOOD = 30, 1e-5, 1e-5
-
-
-class Chosen(NamedTuple):
-    """posterior (T, K) over the library, entropy (T,) bits, informed (T,): see Eq. (1); angles (T, n) of the path."""
-
-    posterior: FloatArray
-    entropy: FloatArray
-    informed: BoolArray
-    angles: FloatArray
 
 
 class LimbView:
@@ -65,12 +54,12 @@ class LimbView:
         return shown, slopes
 
 
-def choose(view: LimbView, wanted: FloatArray, weights: FloatArray, doubt: FloatArray) -> Chosen:
+def choose(view: LimbView, wanted: FloatArray, weights: FloatArray, doubt: FloatArray) -> FloatArray:
     """Postures (T, n) for wanted directions (T, S, 3).
 
     weights (T, S): of their squared errors; doubt (S,): standard deviation per axis of what is wanted, rad.
     """
-    posterior, entropy, informed, cells = _library(view, wanted, weights)
+    posterior, cells = _library(view, wanted, weights)
     count = len(wanted)
     rows = np.arange(count)
     angles, cost = _refined(view, wanted, weights, np.tile(view.rest, (count, 1)), rows)
@@ -83,13 +72,11 @@ def choose(view: LimbView, wanted: FloatArray, weights: FloatArray, doubt: Float
             other[off], price[off] = _refined(view, wanted, weights, cells[column], off)
             found.append(other)
             costs.append(price)
-    return Chosen(posterior, entropy, informed, _path(np.array(found), np.array(costs)))
+    return _path(np.array(found), np.array(costs))
 
 
-def _library(
-    view: LimbView, wanted: FloatArray, weights: FloatArray
-) -> tuple[FloatArray, FloatArray, BoolArray, FloatArray]:
-    """Eq. (1) over the library's postures, frame after frame; the prior is carried on from the frame before."""
+def _library(view: LimbView, wanted: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(T, K) Eq. (1) over the library's (K, n) postures; the prior is carried on from the frame before."""
     cells = np.clip(view.image.library[:, view.factors], view.low, view.high)
     at_rest = np.tile(view.base.mean(0), (len(cells), 1))
     at_rest[:, view.factors] = cells
@@ -103,18 +90,17 @@ def _library(
         log_likelihood -= importance[:, number, None] * (misses / spread + 3 * np.log(spread)) / 2
     likelihood = np.exp(log_likelihood - log_likelihood.max(1, keepdims=True))
     comfort = np.exp(-((cells - view.rest) ** 2).sum(1) / (2 * COMFORT**2))
-    near = np.exp(-((cells[:, None] - cells) ** 2).sum(-1) / (2 * NEAR**2))
-    near = comfort * near
+    near = comfort * np.exp(-((cells[:, None] - cells) ** 2).sum(-1) / (2 * NEAR**2))
     near /= near.sum(1, keepdims=True)
-    prior = comfort / comfort.sum()
-    posteriors, entropies, informed = np.empty_like(likelihood), np.empty(len(wanted)), np.empty(len(wanted), bool)
+    prior = comfort = comfort / comfort.sum()
+    posterior = np.empty_like(likelihood)
     for t, likely in enumerate(likelihood):
         one = action_posterior(likely, prior)
         if not one.informed:  # nothing near the posture before explains what is seen: start anew from comfort
-            one = action_posterior(likely, comfort / comfort.sum())
-        posteriors[t], entropies[t], informed[t] = one.probability, one.entropy, one.informed
-        prior = one.probability @ near if one.informed else comfort / comfort.sum()
-    return posteriors, entropies, informed, cells
+            one = action_posterior(likely, comfort)
+        posterior[t] = one.probability
+        prior = one.probability @ near if one.informed else comfort
+    return posterior, cells
 
 
 def _refined(

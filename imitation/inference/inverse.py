@@ -16,7 +16,7 @@ from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.forward_model import ForwardModel, Rows
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, joint_likelihood
-from imitation.inference.ladder import MEASURED, Rung, check_ladder, descend
+from imitation.inference.ladder import CATEGORIES, MEASURED, Rung, descend
 from imitation.inference.selection import selection_rule
 
 
@@ -66,7 +66,8 @@ class InverseModel(Protocol):
 
 
 class BayesianInverse:
-    """Eq. (1) with a selection rule: P(a | ...) = c prod_k P(s'_k | s_k, a)^w_k P(a | s, g), and a ladder below it.
+    """Eq. (1) with a selection rule: P(a | ...) = c prod_k P(s'_k | s_k, a)^w_k P(a | s, g); where it is 0/0 or a term
+    with a weight is off its axes, the ladder of measured axes, or of categories where one axis is categorical.
 
     Args:
         forward_model: of the first term; the habit, the line and what is expected are its own.
@@ -74,10 +75,6 @@ class BayesianInverse:
         trust: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
             uniform prior.
         prior: (F, A) prior over actions that replaces the habit.
-        ladder: who decides where Eq. (1) is 0/0 or a term with a weight is off its axes.
-
-    Raises:
-        ImitationError: a ladder that is none, or a line through categories.
     """
 
     def __init__(
@@ -87,11 +84,11 @@ class BayesianInverse:
         *,
         trust: FloatArray | float = 1.0,
         prior: FloatArray | None = None,
-        ladder: Sequence[Rung] = MEASURED,
     ) -> None:
         self.forward_model, self.rule, self.prior = forward_model, selection_rule(selection), prior
-        self.ladder = check_ladder(ladder)
-        self.line = LinearInverse(forward_model) if Rung.LINE in self.ladder else None
+        categories = any(axis.is_categorical for axis in forward_model.axes)
+        self.ladder = CATEGORIES if categories else MEASURED
+        self.line = None if categories else LinearInverse(forward_model)
         table = forward_model.habits
         exponent = np.broadcast_to(np.asarray(trust, float), (len(forward_model.factors),))
         table = table ** exponent.reshape(-1, *(1,) * (table.ndim - 1))
@@ -152,7 +149,7 @@ class LinearInverse:
     def __init__(self, forward_model: ForwardModel) -> None:
         for axis in forward_model.axes:
             if axis.is_categorical:
-                raise ImitationError(f"axis {axis.name!r} holds categories, no line goes through them; use CATEGORIES")
+                raise ImitationError(f"axis {axis.name!r} holds categories, no line goes through them")
         inputs = [*(axis.name for axis in forward_model.contexts), forward_model.outcome.name]
         self.fit = forward_model.moments.fit([forward_model.action.name], inputs)
         self.forward = forward_model.linear()

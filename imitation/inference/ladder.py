@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babbling.axes import BoolArray, FloatArray
-from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, action_posterior
 
 
@@ -46,20 +45,6 @@ class Decision(NamedTuple):
     """(...) the `Rung` that decided."""
 
 
-def check_ladder(ladder: Sequence[Rung]) -> tuple[Rung, ...]:
-    """The same ladder.
-
-    Raises:
-        ImitationError: it does not go down from Eq. (1) to one last resort.
-    """
-    rungs = tuple(ladder)
-    last = sum(rung >= Rung.LINE for rung in rungs)
-    if rungs[:1] != (Rung.INVERSE,) or list(rungs) != sorted(set(rungs)) or last != 1:
-        names = ", ".join(rung.name for rung in rungs)
-        raise ImitationError(f"ladder ({names}): from INVERSE down, FORWARD_ALONE or not, to one of LINE and CHANCE")
-    return rungs
-
-
 def descend(
     likelihood: FloatArray, prior: ArrayLike | None, ladder: Sequence[Rung], beyond: BoolArray | bool = False
 ) -> Decision:
@@ -68,7 +53,7 @@ def descend(
     Args:
         likelihood: (..., A) as in `action_posterior`.
         prior: (..., A), or None for uniform.
-        ladder: the rungs, as `check_ladder` wants them.
+        ladder: the rungs from `INVERSE` down, with or without `FORWARD_ALONE`, to one last resort.
         beyond: (...) what no table knows (off its axes): the last resort decides.
     """
     bayes = action_posterior(likelihood, prior)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import expit, gammaln
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import FloatArray, IntArray, fixed
 from imitation.episodes import Episode, check_range
 from imitation.errors import ImitationError
 
@@ -37,9 +37,7 @@ class ActionPriors:
         index = [np.zeros(0, np.int64)]
         index += [(e.goal * states + e.states[:-1]) * actions + e.actions for e in episodes]
         counts = np.bincount(np.concatenate(index), minlength=goals * states * actions)
-        counts = counts.reshape(goals, states, actions)
-        counts.flags.writeable = False
-        return cls(counts)
+        return cls(fixed(counts.reshape(goals, states, actions)))
 
     def action(self, smoothing: float = 0.0) -> FloatArray:
         """(G, S, A) P(a | s, g); without smoothing, rows of states never watched are zero.

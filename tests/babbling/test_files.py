@@ -72,17 +72,20 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
         (fill("forward_model_prior_strength", np.nan), r"forward_model_prior_strength holds nan; 0 to 1e\+06"),
         (fill("pilot_schema_posture", 99), "pilot_schema_posture holds 99; sense has 0 to 5"),
         (fill("pilot_schema_slope", 0.0), "pilot_schema_slope holds 0; .* other than 0 is possible"),
-        (fill("pilot_coasting", np.nan), "pilot_coasting holds nan"),
+        (fill("pilot_motors_rest", np.nan), "pilot_motors_rest holds nan"),
         (fill("pilot_minutes", -1), "pilot_minutes holds -1; 0 to"),
         (fill("pilot_dynamics_control", 1e308), r"pilot_dynamics_control holds 1e\+308; -10000 to 10000"),
         (fill("pilot_dynamics_noise", np.arange(27.0).reshape(3, 3, 3)), "pilot_dynamics_noise .* no covariance"),
         (fill("temper_eagerness", 1e308), r"temper_eagerness holds 1e\+308; 0 to 2 other than 0 is possible"),
         (fill("rate_points", np.zeros((3, 15))), "axis 'rate': factor 0 has no extent"),
         (fill("rate_points", np.arange(45.0).reshape(3, 15) ** 2), "rate_points are not evenly spaced"),
-        (instead("pilot_coasting", np.zeros((2, 3))), r"pilot_coasting has shape \(2, 3\); \(3,\) is needed \(motor\)"),
-        (instead("pilot_coasting", np.zeros(3, "f4")), "pilot_coasting is missing, or not of type float64"),
-        (instead("pilot_coasting", h5py.SoftLink("/temper_trust")), "pilot_coasting is missing"),
-        (instead("pilot_coasting", h5py.ExternalLink("/dev/zero", "/x")), "pilot_coasting is missing"),
+        (
+            instead("pilot_motors_rest", np.zeros((2, 3))),
+            r"pilot_motors_rest has shape \(2, 3\); \(3,\) is needed \(motor\)",
+        ),
+        (instead("pilot_motors_rest", np.zeros(3, "f4")), "pilot_motors_rest is missing, or not of type float64"),
+        (instead("pilot_motors_rest", h5py.SoftLink("/temper_trust")), "pilot_motors_rest is missing"),
+        (instead("pilot_motors_rest", h5py.ExternalLink("/dev/zero", "/x")), "pilot_motors_rest is missing"),
         (instead("forward_model_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),
         (instead("fingerprint", np.array([b"\x1b", b"[", b"A"])), "fingerprint is not made of distinct words"),
     ],
@@ -136,10 +139,10 @@ def test_huge_files_are_refused_before_they_are_read(file: Path, tmp_path: Path)
 
 def test_a_piece_that_unpacks_to_more_than_it_says_is_not_unpacked(file: Path) -> None:
     with h5py.File(file, "r+") as f:
-        del f["pilot_coasting"]
-        data = f.create_dataset("pilot_coasting", (3,), float, chunks=(3,), compression="gzip")
+        del f["pilot_motors_rest"]
+        data = f.create_dataset("pilot_motors_rest", (3,), float, chunks=(3,), compression="gzip")
         data.id.write_direct_chunk((0,), b"\0" * (LARGEST_PIECE + 1))
-    with pytest.raises(BabblingError, match="pilot_coasting is 1 pieces; "):
+    with pytest.raises(BabblingError, match="pilot_motors_rest is 1 pieces; "):
         load(file, Mind)
 
 
@@ -161,7 +164,7 @@ def test_a_place_that_cannot_be_written_keeps_nothing_half_done(arm_mind: Mind, 
 
 
 def test_forward_models_of_another_pilot_are_refused(arm_mind: Mind) -> None:
-    model = arm_mind.forward_model.empty()
+    model = arm_mind.pilot.forward_model()
     model.contexts = ()
     with pytest.raises(BabblingError, match="other axes than its pilot found"):
         replace(arm_mind, forward_model=model)

@@ -33,7 +33,7 @@ def test_bouts_in_any_order_on_any_body_and_resumed_are_the_same(arm, arm_mind):
     for bout in (2, 0, 1):
         shard = arm_mind.pilot.forward_model()
         lived = flat(*experience(other, arm_mind.pilot, 3, bout, plan[bout]))
-        shard.observe(*arm_mind.pilot.reading.transitions(*lived))
+        shard.observe(*arm_mind.pilot.transitions(*lived))
         shards.merge(shard)
     for model in (resumed, shards):
         assert (model.counts == whole.counts).all()
@@ -98,7 +98,7 @@ def assert_same_mind(one: Mind, other: Mind) -> None:
     for part in ("schema", "motors"):
         for name, value in vars(getattr(one.pilot, part)).items():
             assert (value == getattr(getattr(other.pilot, part), name)).all(), name
-    assert (one.pilot.coasting == other.pilot.coasting).all()
+    assert (one.pilot.dynamics.coasting == other.pilot.dynamics.coasting).all()
     assert (one.temper.eagerness == other.temper.eagerness).all() and (one.temper.trust == other.temper.trust).all()
 
 

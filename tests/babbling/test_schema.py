@@ -185,7 +185,7 @@ def test_dynamics_of_a_known_line() -> None:
     np.testing.assert_allclose(found.dynamics.transition[factor, 0], [0.7, 0, 1], atol=1e-6)
     np.testing.assert_allclose(found.dynamics.transition[factor, 1, :2], [-0.3 / TICK, 0], atol=1e-4)
     np.testing.assert_allclose(found.dynamics.control[factor], [0.3, 0.3 / TICK, 0], atol=1e-4)
-    np.testing.assert_allclose(found.coasting, 0, atol=1e-6)
+    np.testing.assert_allclose(found.dynamics.coasting, 0, atol=1e-6)
 
 
 def test_slow_residuals_are_the_bias() -> None:

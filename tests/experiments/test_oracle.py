@@ -132,7 +132,7 @@ def test_smoothing_moves_no_reachable_direction_by_more_than_a_degree(case: tupl
     free = result.found.reachable & ~hurried(result)
     chosen = result.angles.copy()
     for limb in own_limbs(known_image().moves):
-        chosen[:, limb.factors] = result.found.chosen[tuple(PARTS[part] for part in limb.parts)].angles
+        chosen[:, limb.factors] = result.found.chosen[tuple(PARTS[part] for part in limb.parts)]
     moved = np.rad2deg(angles_between(directions(chosen), result.shown))
     assert (moved[free] <= 1).all()
     assert (np.rad2deg(angles_between(result.shown, result.found.wanted))[free] <= 6).all()

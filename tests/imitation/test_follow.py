@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from babbling.forward_model import ForwardModel
 from babbling.loop import babble
 from babbling.states import Wanderer
 from imitation.acting.follow import Follower, believed, follow
@@ -140,7 +141,7 @@ def test_who_learned_alone_goes_by_what_it_learned_itself():
 def test_an_act_never_tried_with_these_hands_says_nothing_there_and_only_there(model):
     counts = model.counts.copy()
     counts[0, 0, 1, 3] = 0
-    partial = model.empty()
+    partial = ForwardModel(model.contexts, model.action, model.outcome, factors=model.factors)
     partial.add(counts)
     table = believed(partial)
     assert (table[0, 0, 1, 3] == 0.25).all()

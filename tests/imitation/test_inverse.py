@@ -12,7 +12,7 @@ from experiments.benchmark.peers import MLPInverse
 from imitation.errors import ImitationError
 from imitation.inference.bayes import action_posterior, joint_likelihood
 from imitation.inference.inverse import BayesianInverse, LinearInverse, Term
-from imitation.inference.ladder import CATEGORIES, MEASURED, Rung, check_ladder, descend
+from imitation.inference.ladder import CATEGORIES, MEASURED, Rung, descend
 
 LOW = np.array([-1.0, -2.0])
 
@@ -99,7 +99,7 @@ def test_two_terms_with_different_contexts_multiply_by_brute_force():
     here = [rng.integers(0, size, (8, 2)).astype(float) for size in (3, 4, 2)]
     wanted = [rng.integers(0, size, (8, 2)).astype(float) for size in (6, 7)]
     weight = np.array([0.5, 2.0])
-    inverse = BayesianInverse(one, "map", ladder=CATEGORIES)
+    inverse = BayesianInverse(one, "map")
     terms = [Term(one, (here[0], here[1]), wanted[0]), Term(two, (here[2],), wanted[1], weight)]
     choice = inverse.choose(terms, rng)
     for b, f in product(range(8), range(2)):
@@ -162,7 +162,7 @@ def test_a_certain_term_decides():
     sure.counts[:, 3] = [0, 10]  # only action 3 ever led to outcome 1
     nought = np.zeros((1, 2))
     terms = [Term(one, (nought,), nought), Term(sure, (), nought + 1)]
-    choice = BayesianInverse(one, "map", ladder=CATEGORIES).choose(terms, rng)
+    choice = BayesianInverse(one, "map").choose(terms, rng)
     assert choice.posterior.probability.tolist() == [[[0, 0, 0, 1, 0]] * 2] and choice.action.tolist() == [[3, 3]]
 
 
@@ -212,13 +212,12 @@ def test_where_nothing_is_known_the_line_acts_and_is_counted():
     a = rng.uniform(-1, 1, (300, 1))
     model.observe([np.zeros((300, 1))], a, 0.5 * a)
     wanted, context = np.array([[0.2], [7.0], [0.2]]), np.array([[0.0], [0.0], [-1.1]])  # 7 and -1.1: off their axes
-    for ladder in (MEASURED, (Rung.INVERSE, Rung.FORWARD_ALONE, Rung.LINE)):
-        choice = BayesianInverse(model, ladder=ladder).choose([Term(model, (context,), wanted)], rng)
-        assert choice.uninformed.tolist() == [[False], [True], [True]]
-        assert choice.rung.tolist() == [[0], [Rung.LINE], [Rung.LINE]]
-        line = LinearInverse(model).choose([Term(model, (context[1:],), wanted[1:])], rng)
-        assert choice.action[1, 0] == line.action[0, 0] == pytest.approx(14, rel=0.01)
-        assert choice.action[2, 0] == line.action[1, 0]
+    choice = BayesianInverse(model).choose([Term(model, (context,), wanted)], rng)
+    assert choice.uninformed.tolist() == [[False], [True], [True]]
+    assert choice.rung.tolist() == [[0], [Rung.LINE], [Rung.LINE]]
+    line = LinearInverse(model).choose([Term(model, (context[1:],), wanted[1:])], rng)
+    assert choice.action[1, 0] == line.action[0, 0] == pytest.approx(14, rel=0.01)
+    assert choice.action[2, 0] == line.action[1, 0]
 
 
 def test_the_ladder_is_gone_down_one_rung_at_a_time():
@@ -247,21 +246,11 @@ def test_a_state_nobody_was_ever_in_has_no_habit_and_is_left_to_chance():
     model = categories(2, 3, 4)
     model.counts[:, 1] = 0
     term = Term(model, (np.array([[0.0, 1.0]]),), np.zeros((1, 2)))
-    choice = BayesianInverse(model, "map", ladder=CATEGORIES).choose([term], np.random.default_rng(0))
+    choice = BayesianInverse(model, "map").choose([term], np.random.default_rng(0))
     assert choice.rung.tolist() == [[Rung.INVERSE, Rung.CHANCE]]
     np.testing.assert_allclose(choice.posterior.probability.sum(-1), 1)
 
 
-@pytest.mark.parametrize(
-    "ladder",
-    [(), (Rung.LINE,), (Rung.INVERSE,), (Rung.INVERSE, Rung.FORWARD_ALONE), (Rung.INVERSE, Rung.LINE, Rung.CHANCE),
-     (Rung.INVERSE, Rung.CHANCE, Rung.FORWARD_ALONE), (Rung.FORWARD_ALONE, Rung.CHANCE)],
-)  # fmt: skip
-def test_what_is_no_ladder_is_refused(ladder):
-    with pytest.raises(ImitationError, match=r"ladder \(.*\): from INVERSE down"):
-        check_ladder(ladder)
-
-
 def test_no_line_goes_through_categories():
     with pytest.raises(ImitationError, match="axis 'c0' holds categories, no line goes through them"):
-        BayesianInverse(categories(2, 3, 4))
+        LinearInverse(categories(2, 3, 4))

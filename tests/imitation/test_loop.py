@@ -87,14 +87,7 @@ def test_noise_is_weighed_by_what_it_was_at_rest(arm, wave):
 
 def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind, monkeypatch):
     monkeypatch.setattr(made_up_movement, "__defaults__", (1.0,))
-    asked = []
-
-    def make(copies):
-        asked.append(copies)
-        return load_body(arm, copies=copies)
-
-    mind = rehearse(make, arm_mind, seed=0)
-    assert asked == [len(EAGERNESS)]
+    mind = rehearse(load_body(arm, copies=len(EAGERNESS)), arm_mind, seed=0)
     assert set(mind.temper.eagerness) <= set(EAGERNESS) and set(mind.temper.trust) <= set(TRUST)
     assert mind.forward_model is arm_mind.forward_model
 
