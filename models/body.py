@@ -24,11 +24,11 @@ class SimulatedBody:
     """`copies` bodies of one compiled model, stepped together; see `babbling.body.Body` for what it offers.
 
     Args:
-        model: compiled MJCF whose actuators are position servos on single joints (see `models.loading`).
+        model: compiled MJCF whose actuators are position servos on single joints (see `models.loading`). It rests at
+            the keyframe `home`, or in the zero posture.
         copies: how many bodies.
         threads: worker threads (results do not depend on it).
         tick_s: control tick; an integer number of physics steps.
-        home: keyframe name to rest at, or None for the zero posture.
         noise: standard deviation of the angle sense, rad. The speed sense gets sqrt(2) noise / tick_s, as if the
             drive differenced two such readings.
         wear: worn gears.
@@ -49,7 +49,6 @@ class SimulatedBody:
         copies: int = 1,
         threads: int = 2,
         tick_s: float = 0.02,
-        home: str | None = None,
         noise: float = 0.0,
         wear: Wear | None = None,
         motors: Sequence[str] = (),
@@ -79,7 +78,7 @@ class SimulatedBody:
         self.joint_range: FloatArray = model.jnt_range[joints].copy()
         control: FloatArray = model.actuator_ctrlrange[self._servos]
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
-        self._key = model.key(home).id if home else -1
+        self._key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
         low, high = self.joint_range.T
         speed, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
         self._sensors = sensor_channels(model, sensors)
@@ -163,8 +162,7 @@ class SimulatedBody:
 
     def configurations(self, angles: FloatArray) -> FloatArray:
         """(T, nq) configurations of the model with these (T, M) joint angles, all else at rest: to draw it."""
-        rest: FloatArray = self.model.key_qpos[self._key] if self._key >= 0 else self.model.qpos0
-        configurations = np.tile(rest, (len(angles), 1))
+        configurations = np.tile(resting(self.model), (len(angles), 1))
         configurations[:, self._qpos] = angles
         return configurations
 
@@ -207,6 +205,12 @@ class SimulatedBody:
         else:
             joint = int(self.model.dof_jntid[min(place, self.model.nv - 1)])
         return self.model.joint(joint).name or f"joint {joint}"
+
+
+def resting(model: mujoco.MjModel) -> FloatArray:
+    """(nq,) configuration of a model at rest: its keyframe `home`, or zero."""
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
 
 
 def _say_nothing(text: str) -> None:

@@ -38,20 +38,14 @@ def load_body(
         BodyError: an unknown name; a file that is missing, too large, does not compile or has no position actuators.
     """
     text = str(name_or_path)
-    robot = find(text)
-    if robot is None:
-        model = compiled(Path(text))
-        home = "home" if "home" in {model.key(k).name for k in range(model.nkey)} else None
-        robot = Robot(Path(text), text, home)
-    else:
-        model = compiled(robot.path)
+    robot = find(text) or Robot(Path(text), text)
+    model = compiled(robot.path)
     servos(model, text)
     return SimulatedBody(
         model,
         name=text,
         copies=copies,
         threads=threads,
-        home=robot.home,
         noise=noise,
         wear=robot.wear,
         sensors=robot.sensors,

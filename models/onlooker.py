@@ -8,7 +8,8 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.biclops.room import TEACHER
-from models.robots import ROBOTS, head_of
+from models.body import resting
+from models.robots import head_of
 from models.shapes import Part, parts
 
 _SCENERY = ("front_wall", "back_wall", "left_wall", "right_wall", "floor")
@@ -32,9 +33,8 @@ def onlook(
     balls: Mapping[str, FloatArray],
 ) -> Onlooked:
     """A stage through (T, 2) postures of the head and the teacher's; balls at (3,) or (T, 3), in the table's frame."""
-    facts, rest = head_of(robot), ROBOTS[robot].home
-    home = model.key(rest).qpos if rest and model.nkey else np.zeros(model.nq)
-    qpos = np.tile(home, (len(angles), 1))
+    facts = head_of(robot)
+    qpos = np.tile(resting(model), (len(angles), 1))
     qpos[:, _columns(model, facts.motors)] = angles
     if teacher is not None:
         qpos[:, _columns(model, (f"{TEACHER}pan", f"{TEACHER}tilt"))] = teacher

@@ -47,10 +47,8 @@ class Robot:
     """A body one can ask for by name."""
 
     path: Path
-    """MJCF of the robot where it babbles."""
+    """MJCF of the robot where it babbles; it rests at the keyframe `home`, if there is one."""
     about: str
-    home: str | None = None
-    """Keyframe it rests at."""
     wear: Wear = Wear()  # noqa: RUF009  (frozen)
     sensors: tuple[str, ...] = ()
     """<sensor> elements of its MJCF that it feels, besides its joints."""
@@ -65,7 +63,6 @@ class Robot:
 _HOAP2 = Robot(
     hoap2.STAND,
     "HOAP-2 hung by its torso on a stand, 25 joints",
-    "home",
     head=Head(  # eyes at waist + neck + tilt axis - 5 mm; speed as in its MJCF; acceleration: .2 s to top speed
         motors=("head_joint_1", "head_joint_2"),
         max_speed=(4.0, 4.0),
@@ -88,7 +85,6 @@ ROBOTS: Mapping[str, Robot] = MappingProxyType(
         "biclops": Robot(
             biclops.ROBOT,
             "a Biclops-like pan-tilt head with two cameras",
-            "home",
             head=Head(
                 motors=("pan", "tilt"),
                 max_speed=(np.deg2rad(MAX_SPEED_DEG_S[0]), np.deg2rad(MAX_SPEED_DEG_S[1])),

@@ -77,7 +77,7 @@ class SeeingBody:
         seed: int = 0,
         rest: tuple[float, float] | None = None,
     ) -> None:
-        self.facts, home = head_of(robot), ROBOTS[robot].home
+        self.facts = head_of(robot)
         self.retina = retina or RetinaOptions()
         self.robot = robot
         self.tick_s, self._perceive = tick_s, perceive
@@ -86,7 +86,7 @@ class SeeingBody:
             raise BodyError(f"a tick of {tick_s:g} s: it must be a whole number of {INNER_S:g} s")
         teacher = TEACHER_MOTORS if {model.joint(j).name for j in range(model.njnt)}.issuperset(TEACHER_MOTORS) else ()
         self.heads = SimulatedBody(
-            model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=home, motors=self.facts.motors + teacher
+            model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=self.facts.motors + teacher
         )
         self.eyes = [open_eye(model, eye, self.retina, renderer) for eye in self.facts.eyes]
         self._data, self.model = mujoco.MjData(model), model
@@ -229,7 +229,5 @@ def head_fingerprint(robot: str) -> str:
 
 def watching_body(robot: str, *, copies: int = 1) -> SimulatedBody:
     """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
-    one, model = ROBOTS[robot], mujoco.MjModel.from_xml_path(str(ROBOTS[robot].path))
-    return SimulatedBody(
-        model, name=robot, copies=copies, threads=1, tick_s=INNER_S, home=one.home, motors=head_of(robot).motors
-    )
+    model = mujoco.MjModel.from_xml_path(str(ROBOTS[robot].path))
+    return SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=head_of(robot).motors)

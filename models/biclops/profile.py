@@ -31,11 +31,3 @@ def profile(
     change = acceleration * dt
     new_velocity = np.clip(wanted, velocity - change, velocity + change)
     return position + new_velocity * dt, new_velocity
-
-
-def move_time(distance: npt.ArrayLike, max_speed: npt.ArrayLike, max_acceleration: npt.ArrayLike) -> FloatArray:
-    """Seconds a move from rest to rest lasts in continuous time; see `profile`."""
-    length, speed, acceleration = (np.abs(np.asarray(x, float)) for x in (distance, max_speed, max_acceleration))
-    trapezoid = length / speed + speed / acceleration
-    triangle = 2.0 * np.sqrt(length / acceleration)
-    return np.asarray(np.where(length >= speed**2 / acceleration, trapezoid, triangle))

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from models.biclops import ROBOT, facts
-from models.biclops.profile import move_time, profile
+from models.biclops.profile import profile
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
 from models.errors import BodyError
 from models.heads import stage
@@ -62,6 +62,12 @@ def test_servos_follow_the_run_profile(robot: mujoco.MjModel) -> None:
         data.ctrl[:] = position
         mujoco.mj_step(robot, data)
     np.testing.assert_allclose(np.rad2deg(data.qpos - target), 0.0, atol=0.2)
+
+
+def move_time(distance, speed, acceleration):
+    """Seconds from rest to rest in continuous time: a trapezoid of speed, or a triangle."""
+    trapezoid, triangle = distance / speed + speed / acceleration, 2 * np.sqrt(distance / acceleration)
+    return np.where(distance >= speed**2 / acceleration, trapezoid, triangle)
 
 
 def test_profile_moves_as_theory_says() -> None:

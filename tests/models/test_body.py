@@ -218,7 +218,7 @@ def test_straight_wiring_is_the_default(arm: Path) -> None:
 
 def test_a_body_of_some_motors_is_the_whole_whose_rest_holds_still() -> None:
     model, some = mujoco.MjModel.from_xml_path(str(STAND)), ("head_joint_2", "left_arm_joint_1")
-    whole, part = (SimulatedBody(model, name="h", copies=2, home="home", motors=motors) for motors in ((), some))
+    whole, part = (SimulatedBody(model, name="h", copies=2, motors=motors) for motors in ((), some))
     columns = [whole.joints.index(joint) for joint in some]
     command, rng = whole.command_angles(whole.joint_angles), np.random.default_rng(0)
     for _ in range(20):

@@ -130,7 +130,7 @@ def test_a_free_body_feels_its_weight_and_how_it_turns(scramble: int | None) -> 
 def test_hoap2_stands_on_the_loads_of_its_soles() -> None:
     loads = [f"{side}_sole_{end}_{edge}_load" for side in SIDES for end in ("front", "rear") for edge in SIDES]
     model = mujoco.MjModel.from_xml_path(str(SCENE))
-    body = SimulatedBody(model, name="hoap2", home="home", sensors=("gyro", "accelerometer", *loads))
+    body = SimulatedBody(model, name="hoap2", sensors=("gyro", "accelerometer", *loads))
     still = body.command_angles(body.joint_angles)
     body.reset()
     for _ in range(60):
