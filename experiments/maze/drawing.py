@@ -1,6 +1,7 @@
 """A maze on matplotlib axes, as the chapter draws it: thick black walls, an asterisk, shaded goals, grey for time."""
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,7 +25,7 @@ def wall_segments(maze: Maze) -> list[tuple[tuple[float, float], tuple[float, fl
     return level + upright
 
 
-def draw_maze(axes: Axes, maze: Maze, goals: Iterable[int] = (), *, colour: str = "black", width: float = 2.6) -> None:
+def draw_maze(axes: Axes, maze: Maze, goals: Sequence[int] = (), *, colour: str = "black", width: float = 2.6) -> None:
     """Walls, and the start if there are goals to draw; equal aspect, ticks in cell coordinates.
 
     Lines and marks are thinner in mazes larger than the chapter's.
@@ -32,8 +33,9 @@ def draw_maze(axes: Axes, maze: Maze, goals: Iterable[int] = (), *, colour: str 
     size = min(1.0, 20 / max(maze.width, maze.height))
     walls = LineCollection(wall_segments(maze), colors=colour, linewidths=width * size, capstyle="projecting", zorder=3)
     axes.add_collection(walls)
-    for goal in goals:
+    if goals:
         axes.plot(*maze.start, "*", color="black", markersize=4 + 7 * size, zorder=4)
+    for goal in goals:
         axes.plot(
             *maze.goals[goal - 1], "o", markersize=5 + 6 * size, zorder=2.5 if size == 1 else 4,
             color=GOAL_SHADES[goal - 1], markeredgecolor="black", markeredgewidth=1.2,
@@ -75,16 +77,13 @@ def draw_walks(
 
 def _separated(walk: IntArray) -> FloatArray:
     """Shift later visits of a cell by up to a sixth of a cell so that a returning path does not cover itself."""
-    seen: dict[tuple[int, int], int] = {}
-    shifted = walk.astype(float)
-    for i, (x, y) in enumerate(walk.tolist()):
-        if i and walk[i].tolist() == walk[i - 1].tolist():
-            shifted[i] = shifted[i - 1]
-            continue
-        again = seen.get((x, y), 0)
-        seen[(x, y)] = again + 1
-        shifted[i] += 0.09 * (again % 3)
-    return shifted
+    seen = Counter[tuple[int, ...]]()
+    again, came = [], None
+    for place in map(tuple, walk.tolist()):
+        seen[place] += place != came
+        again.append(seen[place] - 1)
+        came = place
+    return walk + 0.09 * (np.array(again)[:, None] % 3)
 
 
 def _runs(row: BoolArray) -> list[tuple[int, int]]:

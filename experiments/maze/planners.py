@@ -91,54 +91,61 @@ def least_steps(maze: Maze, dynamics: FloatArray, goal: int) -> float:
     return float(steps_to_go(maze.lead[None], dynamics[None], goal)[0, maze.number(maze.start)].min())
 
 
-class Walls:
-    """What R walkers have felt of one maze; sides never felt are taken for open."""
-
-    def __init__(self, maze: Maze, walkers: int) -> None:
-        rim = np.zeros_like(maze.walls)
-        rim[-1, :, 0], rim[:, -1, 1], rim[0, :, 2], rim[:, 0, 3] = True, True, True, True
-        self._open = Maze(rim, maze.start, maze.goals).lead
-        self._felt = np.zeros((walkers, maze.cells, 5), bool)
-        self._walker = np.arange(walkers)
-
-    def feel(self, cells: IntArray, touch: BoolArray) -> None:
-        """(..., R) cells and (..., R, 4) what touch said there."""
-        self._felt[np.broadcast_to(self._walker, cells.shape), cells, :4] = touch
-
-    @property
-    def lead(self) -> IntArray:
-        """(R, S, 5) where outcomes lead as far as is known; a wall felt from one side is known from the other."""
-        both = self._felt.copy()
-        for side in range(4):
-            beyond = self._open[:, side]
-            inside = beyond != np.arange(len(beyond))
-            both[:, inside, side] |= self._felt[:, beyond[inside], (side + 2) % 4]
-        return np.where(both, np.arange(both.shape[1])[:, None], self._open)
-
-
 class Known(NamedTuple):
     """What R walkers know at one moment."""
 
     tables: FloatArray
     """(R, A, O) learned dynamics, uniform where an action was never counted."""
     lead: IntArray
-    """(R, S, O) `Walls.lead`."""
+    """(R, S, O) where outcomes lead; a wall felt from one side is known from the other, one never felt is not there."""
+
+
+class Explorers:
+    """R walkers in one maze, each of whom learns for itself what acts do and where walls are."""
+
+    def __init__(self, maze: Maze, walkers: int, seed: tuple[int, ...]) -> None:
+        self.body = MazeBody(maze, copies=walkers, seed=seed)
+        self.walker, self.places = wanderer(self.body, alone=True), Places.of(self.body)
+        self.model = self.walker.forward_model()
+        rim = np.zeros_like(maze.walls)
+        rim[-1, :, 0], rim[:, -1, 1], rim[0, :, 2], rim[:, 0, 3] = True, True, True, True
+        self._open = Maze(rim, maze.start, maze.goals).lead
+        self._felt = np.zeros((walkers, maze.cells, 5), bool)
+
+    def learn(self, motors: FloatArray, felt: FloatArray) -> None:
+        """(T, R, 1) acts, and the (T + 1, R, S) senses before the first and after each."""
+        self.model.observe(*self.walker.transitions(*flat(motors, felt)))
+        self.feel(felt[1:])
+
+    def feel(self, senses: FloatArray) -> None:
+        """(..., R, S) senses: walls where touch says so."""
+        cells = self.places.number(senses)
+        walker = np.broadcast_to(np.arange(len(self._felt)), cells.shape)
+        self._felt[walker, cells, :4] = self.body.senses.read(senses, "touch") > 0
+
+    @property
+    def known(self) -> Known:
+        """What they know by now."""
+        both = self._felt.copy()
+        for side in range(4):
+            beyond = self._open[:, side]
+            inside = beyond != np.arange(len(beyond))
+            both[:, inside, side] |= self._felt[:, beyond[inside], (side + 2) % 4]
+        return Known(believed(self.model), np.where(both, np.arange(both.shape[1])[:, None], self._open))
 
 
 def wanderers(maze: Maze, copies: int, budgets: Sequence[int], seed: int, report: Report) -> Iterator[Known]:
     """What random walkers, each alone, know after each budget of steps: one walk, never put back."""
-    body = MazeBody(maze, copies=copies, seed=(seed, 11))
-    walker, places, walls = wanderer(body, alone=True), Places.of(body), Walls(maze, copies)
-    model, stream = walker.forward_model(), walker.stream(body, np.random.default_rng([seed, 12]))
-    senses, done = body.reset(), 0
+    we = Explorers(maze, copies, (seed, 11))
+    stream, senses, done = we.walker.stream(we.body, np.random.default_rng([seed, 12])), we.body.reset(), 0
+    we.feel(senses)
     for budget in budgets:
         while done < budget:
-            motors, felt = explore(body, stream, min(5000, budget - done), onward=senses)
-            model.observe(*walker.transitions(*flat(motors, felt)))
-            walls.feel(places.number(felt[..., :2]), felt[..., 2:] > 0)
+            motors, felt = explore(we.body, stream, min(5000, budget - done), onward=senses)
+            we.learn(motors, felt)
             senses, done = felt[-1], done + len(motors)
             report(done / budgets[-1])
-        yield Known(believed(model), walls.lead)
+        yield we.known
 
 
 def replanners(
@@ -148,30 +155,24 @@ def replanners(
 
     The plan is improved by a few sweeps of value iteration at every step, from where it was.
     """
-    body = MazeBody(maze, copies=copies, seed=(seed, 13))
-    walker, places, walls = wanderer(body, alone=True), Places.of(body), Walls(maze, copies)
-    model, rng = walker.forward_model(), np.random.default_rng([seed, 14])
-    senses, value, row = body.reset(), np.zeros((copies, maze.cells)), np.arange(copies)
-    known = Known(believed(model), walls.lead)
+    we, rng = Explorers(maze, copies, (seed, 13)), np.random.default_rng([seed, 14])
+    senses, known, value = we.body.reset(), we.known, np.zeros((copies, maze.cells))
     for step in range(1, budgets[-1] + 1):
-        cell = places.number(body.senses.read(senses, "place"))
         if step > first:
             for _ in range(sweeps):
                 to_go = _sweep(value, known.lead, known.tables, goal)
                 value = to_go.min(-1)
-            action = to_go[row, cell].argmin(-1)
+            action = to_go[np.arange(copies), we.places.number(senses)].argmin(-1)
         else:
             action = rng.integers(0, len(ACTIONS), copies)
         motors = action[:, None].astype(float)
-        after = body.act(motors)
-        model.observe(*walker.transitions(senses, motors, after))
-        walls.feel(places.number(body.senses.read(after, "place")), body.senses.read(after, "touch") > 0)
-        body.put_back(body.cell == goal)
-        senses = body.feel()
+        we.learn(motors[None], np.stack([senses, we.body.act(motors)]))
+        we.body.put_back(we.body.cell == goal)
+        senses = we.body.feel()
         if step % 10 == 0 or step == first:
-            known = Known(believed(model), walls.lead)
+            known = we.known
         if step in budgets:
-            yield Known(believed(model), walls.lead)
+            yield we.known
 
 
 def q_learners(maze: Maze, goals: IntArray, learners: int, budgets: Sequence[int], seed: int) -> Iterator[IntArray]:

@@ -2,12 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from experiments.maze.figures import learning_curve, trials_figure
 from experiments.maze.learning import walkers
@@ -22,6 +20,7 @@ from experiments.maze.mind import (
 )
 from experiments.maze.planners import PATIENCE, Q_SETTINGS, RELIABLE
 from experiments.maze.trials import trials
+from experiments.shared.experiment import Result
 from experiments.shared.progress import Report
 from experiments.shared.tables import table
 from imitation.acting.follow import believed
@@ -33,16 +32,7 @@ CURVE_STEPS, CURVE_WALKERS = 100_000, 100
 SELECTIONS = ("map", "matching")
 
 
-@dataclass(frozen=True)
-class Study:
-    """What the study found."""
-
-    metrics: dict[str, Any]
-    figures: dict[str, Figure]
-    summary: str
-
-
-def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothing: float, report: Report) -> Study:
+def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothing: float, report: Report) -> Result:
     """All claims; `report` is told the fraction done."""
     _, curve = walkers(maze, CURVE_STEPS, seed, CURVE_WALKERS, lambda done: report(0.15 * done))
     late = curve.steps >= 300
@@ -63,7 +53,7 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     figures = {"trials": trials_figure(curves, RELIABLE)}
     if len(curve.steps):
         figures["learning_curve_study"] = learning_curve(curve)
-    return Study(metrics, figures, _summary(metrics))
+    return Result(metrics, _summary(metrics), figures)
 
 
 def _imitation(imitators: Experience, seed: int) -> dict[str, Any]:

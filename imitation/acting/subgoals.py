@@ -8,7 +8,7 @@ sub-goals ever returns, and staying in place is never one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,16 +17,13 @@ from imitation.episodes import Episode
 from imitation.errors import ImitationError
 
 
-@dataclass(frozen=True, eq=False)
-class Route:
+class Route(NamedTuple):
     """The next sub-goal of every state on the way to one goal."""
 
     successor: IntArray
     """(S,) sub-goal of each state, -1 where no demonstration went (and at the goal itself)."""
     remainder: IntArray
     """(S,) steps to the goal in the demonstration chosen, -1 where none went."""
-    goal: int
-    """The state where the demonstrations end."""
 
 
 def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> Route:
@@ -39,17 +36,12 @@ def acyclic_subgoals(episodes: Sequence[Episode], states: int) -> Route:
     if len(ends) != 1:
         what = f"demonstrations end in {len(ends)} different states" if ends else "nothing was demonstrated"
         raise ImitationError(f"{what}; sub-goals need at least one demonstration and one common goal")
-    successor, remainder = np.full(states, -1), np.full(states, -1)
-    (goal,) = ends
-    remainder[goal] = 0
+    successor, remainder = np.full((2, states), -1)
     for episode in episodes:
         last = np.full(states, -1)
         last[episode.states] = np.arange(episode.steps + 1)  # later visits overwrite earlier ones
-        visited = np.flatnonzero(last >= 0)
-        visited = visited[visited != goal]
-        left = episode.steps - last[visited]
-        better = (remainder[visited] < 0) | (left < remainder[visited])
-        chosen = visited[better]
-        remainder[chosen] = left[better]
-        successor[chosen] = episode.states[last[chosen] + 1]
-    return Route(successor, remainder, goal)
+        left = np.where(last < 0, -1, episode.steps - last)
+        better = (left >= 0) & ((remainder < 0) | (left < remainder))
+        remainder[better] = left[better]
+        successor[better] = np.append(episode.states[1:], -1)[last[better]]
+    return Route(successor, remainder)

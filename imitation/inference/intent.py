@@ -69,25 +69,14 @@ def intent_by_step(evidence: FloatArray, goal_prior: FloatArray, state_given_goa
     return Intent(probability, entropy(probability), posterior.informed)
 
 
-def intent_filter(
-    evidence: FloatArray, goal_prior: FloatArray, first_state_given_goal: FloatArray | None = None
-) -> Intent:
+def intent_filter(evidence: FloatArray, goal_prior: FloatArray) -> Intent:
     """The Bayes filter of the module's head; a step that is 0/0 leaves the belief as it was, counted.
 
     Args:
         evidence: (T, G) of `step_evidence`.
-        goal_prior: (G,).
-        first_state_given_goal: (G,) P(s_1 | g), used once; None leaves it out.
-
-    Raises:
-        ImitationError: where the teacher began is impossible under every goal.
+        goal_prior: (G,) P(g | nothing): P(g), or P(g | s_1) to use where the teacher began.
     """
     belief = goal_prior
-    if first_state_given_goal is not None:
-        start = goal_posterior(np.ones(1), first_state_given_goal, goal_prior)
-        if not start.informed:
-            raise ImitationError("no goal explains where the teacher began; smooth P(s | g) or leave it out")
-        belief = start.probability
     probability, informed = np.empty(evidence.shape), np.empty(len(evidence), bool)
     for t, seen in enumerate(evidence):
         posterior = goal_posterior(np.ones(1), seen, belief)

@@ -24,7 +24,7 @@ from experiments.maze.mind import (
 )
 from experiments.maze.planners import (
     Q_SETTINGS,
-    Walls,
+    Explorers,
     arrivals,
     least_steps,
     q_learners,
@@ -278,13 +278,15 @@ def test_value_iteration_is_exact_where_it_can_be_checked():
 
 def test_walls_are_known_from_both_sides_once_felt():
     maze = parse_maze(TINY)
-    walls = Walls(maze, 2)
-    everywhere = np.tile(np.arange(maze.cells)[:, None], 2)
-    walls.feel(everywhere[:5], np.repeat(maze.blocked[:5, None, :4], 2, 1))  # the lowest row only
-    assert (walls.lead[0, :5] == maze.lead[:5]).all()
-    assert (walls.lead[0, 5:10, 2] == maze.lead[5:10, 2]).all(), "one row's north is the next row's south"
-    walls.feel(everywhere, np.repeat(maze.blocked[:, None, :4], 2, 1))
-    assert (walls.lead == maze.lead).all()
+    explorers = Explorers(maze, 2, (0,))
+    places = np.array([maze.place(cell) for cell in range(maze.cells)])
+    everywhere = np.repeat(np.hstack([places, maze.blocked[:, :4]])[:, None].astype(float), 2, 1)
+    explorers.feel(everywhere[:5])  # the lowest row only
+    lead = explorers.known.lead
+    assert (lead[0, :5] == maze.lead[:5]).all()
+    assert (lead[0, 5:10, 2] == maze.lead[5:10, 2]).all(), "one row's north is the next row's south"
+    explorers.feel(everywhere)
+    assert (explorers.known.lead == maze.lead).all()
 
 
 def test_baselines_become_reliable_in_a_small_maze():
