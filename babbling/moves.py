@@ -25,8 +25,7 @@ DIRECTIONS: IntArray = np.array([[0, 1], [1, 0], [0, -1], [-1, 0], [0, 0]])
 DIRECTIONS.flags.writeable = False
 
 _OF_STEP = np.full((3, 3), -1)
-for _number, (_dx, _dy) in enumerate(DIRECTIONS):
-    _OF_STEP[_dx + 1, _dy + 1] = _number
+_OF_STEP[tuple(DIRECTIONS.T + 1)] = range(len(MOVES))
 
 
 @dataclass(frozen=True)

@@ -50,18 +50,15 @@ def draw_maze(axes: Axes, maze: Maze, goals: Sequence[int] = (), *, colour: str 
         spine.set_visible(False)
 
 
-def draw_walks(
-    axes: Axes, walks: Sequence[IntArray | FloatArray], *, dashed: bool, width: float = 1.6, spread: float = 0.22
-) -> None:
+def draw_walks(axes: Axes, walks: Sequence[IntArray], *, dashed: bool, width: float = 1.6) -> None:
     """(T + 1, 2) walks from light grey (early) to black (late), offset within the cells for clarity.
 
     Every walk keeps its own small offset; where it comes back to a cell it is shifted a little further each time.
     """
-    offsets = np.linspace(-spread, spread, len(walks)) if len(walks) > 1 else [0.0]
-    for walk, offset in zip(walks, offsets, strict=True):
-        line = _separated(np.asarray(walk)) + offset
+    for walk, offset in zip(walks, offsets(len(walks), 0.22), strict=True):
+        line = _separated(walk) + offset
         pieces = np.stack([line[:-1], line[1:]], axis=1)
-        moving = np.abs(np.diff(np.asarray(walk), axis=0)).sum(1) > 0
+        moving = np.diff(walk, axis=0).any(1)
         shades = 0.82 * (1 - np.linspace(0, 1, max(len(pieces), 2))[: len(pieces)])
         axes.add_collection(
             LineCollection(
@@ -73,6 +70,11 @@ def draw_walks(
                 zorder=3.5,
             )
         )
+
+
+def offsets(count: int, spread: float) -> FloatArray:
+    """How far each of several walks is shifted, so that none covers another."""
+    return np.linspace(-spread, spread, count) if count > 1 else np.zeros(1)
 
 
 def _separated(walk: IntArray) -> FloatArray:

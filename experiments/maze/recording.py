@@ -6,7 +6,7 @@ and the observer's belief about where it leads.
 
 import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +15,13 @@ import rerun.blueprint as rrb
 from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray, IntArray
-from experiments.maze.drawing import GOAL_COLOURS, wall_segments
+from experiments.maze.drawing import GOAL_COLOURS, offsets, wall_segments
 from experiments.maze.found import Found
-from experiments.maze.mind import Inferred, places_of
+from experiments.maze.mind import places_of
 from experiments.shared import views
 from experiments.shared.palette import light
 from experiments.shared.recording import log_series, recording, ticks
-from imitation.acting.follow import Journey
-from models.maze import ACTIONS, STEPS, Maze, Walk
+from models.maze import ACTIONS, STEPS, Maze
 
 WALL_HEIGHT, WALL_WIDTH = 0.55, 0.07
 ACTION_COLOURS = ("#1b6ca8", "#edae49", "#d1495b", "#66a182", "#8a8f98")
@@ -33,19 +32,17 @@ EVENTS = {"sub-goal": (102, 161, 130), "backtracking": (237, 174, 73), "forward 
 
 def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
     """Write the recording, blueprint inside."""
-    maze, goal = done.maze, done.config.goal
-    layout = _layout(maze, goal, done.unseen, figures)
-    with recording(path, "imitate-maze", f"maze, goal {goal}", layout, _as_list(summary), "step") as stream:
+    name = f"maze, goal {done.config.goal}"
+    with recording(path, "imitate-maze", name, _layout(done, figures), _as_list(summary), "step") as stream:
         for name, figure in figures.items():
             picture = io.BytesIO()
             figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
             image = rr.EncodedImage(contents=picture.getvalue(), media_type="image/png")
             stream.log(f"figures/{name}", image, static=True)
         for world in ("imitating", "watching"):
-            _log_maze(stream, world, maze)
-        _log_demonstrations(stream, [walk for walk in done.walks if walk.goal == goal])
-        _log_imitation(stream, maze, done.journey, goal)
-        _log_watching(stream, maze, done.unseen, done.inferred, done.goal_prior)
+            _log_maze(stream, world, done.maze)
+        _log_imitation(stream, done)
+        _log_watching(stream, done)
 
 
 def _log_maze(stream: rr.RecordingStream, world: str, maze: Maze) -> None:
@@ -68,23 +65,17 @@ def _log_label(stream: rr.RecordingStream, entity: str, place: tuple[int, int], 
     stream.log(entity, label, static=True)
 
 
-def _log_demonstrations(stream: rr.RecordingStream, walks: Sequence[Walk]) -> None:
-    offsets = np.linspace(-0.18, 0.18, len(walks)) if len(walks) > 1 else [0.0]
-    lines = [_raised(walk.places + offset, 0.05) for walk, offset in zip(walks, offsets, strict=True)]
+def _log_imitation(stream: rr.RecordingStream, done: Found) -> None:
+    maze, journey, decisions, goal = done.maze, done.journey, done.journey.decisions, done.config.goal
+    shown = [walk.places for walk in done.walks if walk.goal == goal]
+    lines = [_raised(walk + offset, 0.05) for walk, offset in zip(shown, offsets(len(shown), 0.18), strict=True)]
     stream.log("imitating/demonstrations", rr.LineStrips3D(lines, colors=[(150, 170, 190)], radii=[0.04]), static=True)
-
-
-def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goal: int) -> None:
-    steps = int(journey.steps[0])
-    cells = journey.states[: steps + 1, 0]
-    places = places_of(maze).place(cells).astype(float)
-    there = maze.goals[goal - 1]
+    steps, there = int(journey.steps[0]), maze.goals[goal - 1]
+    during, places = ticks(steps, 1.0), places_of(maze).place(journey.states[: steps + 1, 0])
     ball = rr.Points3D([[*there, 0.3]], radii=[0.36], colors=[light(GOAL_COLOURS[goal - 1])])
     stream.log("imitating/goal", ball, static=True)
     _log_label(stream, "imitating/goal/label", there, f"goal {goal}")
     _log_walk(stream, "imitating", places)
-    decisions = journey.decisions
-    during = ticks(steps, 1.0)
     subgoal = _raised(places_of(maze).place(decisions.subgoal[:steps, 0]), 0.1)
     stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
     stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
@@ -105,25 +96,23 @@ def _log_imitation(stream: rr.RecordingStream, maze: Maze, journey: Journey, goa
     stream.send_columns("actions/mode", [begun], rr.StateChange.columns(state=[names[k] for k in events[changes]]))
 
 
-def _log_watching(
-    stream: rr.RecordingStream, maze: Maze, walk: Walk, inferred: Inferred, goal_prior: FloatArray
-) -> None:
-    _log_walk(stream, "watching", walk.places.astype(float))
-    belief, by_step = (
-        np.vstack([goal_prior, one.probability]) for one in (inferred.filtered, inferred.by_step)
-    )  # before the first step, the prior
-    goals, index = len(maze.goals), ticks(walk.steps + 1, 1.0)
-    colours = [light(GOAL_COLOURS[g]) for g in range(goals)]
+def _log_watching(stream: rr.RecordingStream, done: Found) -> None:
+    """The unseen walk and what is believed of it; before the first step that is the prior."""
+    _log_walk(stream, "watching", done.unseen.places)
+    told = done.inferred.filtered, done.inferred.by_step
+    belief, by_step = (np.vstack([done.goal_prior, one.probability]) for one in told)
+    goals, index = len(done.maze.goals), ticks(len(belief), 1.0)
+    colours = [light(ink) for ink in GOAL_COLOURS[:goals]]
     labels = [f"goal {g + 1}: {p:.2f}" for row in belief for g, p in enumerate(row)]
-    spots = np.tile(_raised(np.array(maze.goals, float), 0.3), (len(belief), 1))
+    spots = np.tile(_raised(np.array(done.maze.goals), 0.3), (len(belief), 1))
     columns = rr.Points3D.columns(
         positions=spots,
         radii=(0.18 + 0.6 * np.sqrt(belief)).ravel(),
         colors=np.tile(np.array(colours, np.uint8), (len(belief), 1)),
     ).partition([goals] * len(belief))
     stream.send_columns("watching/goals", index, columns)
-    told = rr.Points3D.columns(positions=spots - [0, 0.6, 0], labels=labels).partition([goals] * len(belief))
-    stream.send_columns("watching/goals/labels", index, told)
+    below = rr.Points3D.columns(positions=spots - [0, 0.6, 0], labels=labels).partition([goals] * len(belief))
+    stream.send_columns("watching/goals/labels", index, below)
     white = rr.Points3D.from_fields(colors=[(255, 255, 255)], radii=[0.02], show_labels=True)
     stream.log("watching/goals/labels", white, static=True)
     for entity, beliefs in (("goals/filter", belief), ("goals/by_step", by_step)):
@@ -131,7 +120,7 @@ def _log_watching(
             log_series(stream, f"{entity}/goal_{g}", series, 1.0, f"goal {g}", colours[g - 1])
 
 
-def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray) -> None:
+def _log_walk(stream: rr.RecordingStream, world: str, places: IntArray) -> None:
     """A walker and the trail behind it, light where it is old and dark where it is new."""
     index = ticks(len(places), 1.0)
     stream.log(f"{world}/walker", rr.Points3D.from_fields(colors=[DARK.astype(np.uint8)], radii=[0.3]), static=True)
@@ -145,12 +134,11 @@ def _log_walk(stream: rr.RecordingStream, world: str, places: FloatArray) -> Non
     stream.send_columns(f"{world}/trail", index, strips.partition([len(trail) for trail in trails]))
 
 
-def _layout(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) -> rrb.Vertical:
+def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Vertical:
     def world(name: str, title: str) -> rrb.Spatial3DView:
-        across = max(maze.width, maze.height)
-        centre = ((maze.width + 1) / 2, (maze.height + 1) / 2, 0.0)
-        eye = (centre[0], centre[1] - 0.38 * across, 1.1 * across)
-        return views.world(title, eye, centre, f"/{name}")
+        width, height = done.maze.width, done.maze.height
+        x, y, across = (width + 1) / 2, (height + 1) / 2, max(width, height)
+        return views.world(title, (x, y - 0.38 * across, 1.1 * across), (x, y, 0.0), f"/{name}")
 
     def series(entity: str, title: str) -> rrb.TimeSeriesView:
         unit = rrb.ScalarAxis(range=(0.0, 1.02), zoom_lock=True)
@@ -161,8 +149,8 @@ def _layout(maze: Maze, goal: int, unseen: Walk, figures: Mapping[str, Figure]) 
     ]
     return rrb.Vertical(
         rrb.Horizontal(
-            world("imitating", f"Imitating goal {goal}: arrows are P(action)"),
-            world("watching", f"Watching an unseen walk to goal {unseen.goal}: spheres are P(goal)"),
+            world("imitating", f"Imitating goal {done.config.goal}: arrows are P(action)"),
+            world("watching", f"Watching an unseen walk to goal {done.unseen.goal}: spheres are P(goal)"),
             rrb.Tabs(rrb.TextDocumentView(origin="/summary", name="Summary"), *pictures, active_tab=0),
             column_shares=[1, 1, 1.05],
         ),

@@ -129,7 +129,7 @@ class Follower:
 
     def step(self, state: Way, senses: FloatArray, rng: np.random.Generator) -> tuple[Way, FloatArray, Decisions]:
         """Feeling (B, S): where that is, the (B, 1) next actions, and why; those who arrived do not decide any more."""
-        copy, came_from = self.copy, state.came_from
+        model, copy, came_from = self.forward_model, self.copy, state.came_from
         here = np.where(state.arrived, state.here, self.states.number(senses))
         new = (came_from[copy, here] < 0) & (here != state.here)
         if new.any():
@@ -139,21 +139,15 @@ class Follower:
         ahead = self.successor[copy, here]
         subgoal = np.where(arrived, here, np.where(ahead >= 0, ahead, came_from[copy, here]))
         query = *self.states.context(senses), self.states.outcome(here, subgoal)
-        decided = self._decide(query, self.prior[copy, here], rng)._replace(subgoal=subgoal, backtracking=ahead < 0)
-        info = Decisions._make(np.where(arrived, no, value.T).T for value, no in zip(decided, NOTHING, strict=True))
-        return Way(here, came_from, arrived), decided.action[:, None].astype(float), info
-
-    def _decide(self, query: tuple[IntArray, ...], prior: FloatArray, rng: np.random.Generator) -> Decisions:
-        """Eq. (1) and its ladder for (B,) contexts and wanted outcome under (B, A) priors."""
-        model, size = self.forward_model, self.forward_model.action.size
         asked = [column.reshape(-1, len(model.factors)) for column in query]
         cells = located(len(model.factors), (*model.contexts, model.outcome), asked)
-        likelihood = cells.read(self.by_outcome).reshape(-1, size)
-        (posterior, rung), wanted = descend(likelihood, prior, CATEGORIES), query[-1]
+        likelihood = cells.read(self.by_outcome).reshape(len(here), -1)
+        posterior, rung = descend(likelihood, self.prior[copy, here], CATEGORIES)
         action = self.rule(posterior.probability, model.action, rng).astype(np.int64)
-        alone, chance = rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE
         shown = posterior.probability, posterior.entropy, posterior.evidence
-        return Decisions(wanted, action, *shown, alone, chance, chance)
+        decided = subgoal, action, *shown, rung == Rung.FORWARD_ALONE, rung == Rung.CHANCE, ahead < 0
+        info = Decisions._make(np.where(arrived, no, value.T).T for value, no in zip(decided, NOTHING, strict=True))
+        return Way(here, came_from, arrived), action[:, None].astype(float), info
 
 
 def follow(
