@@ -9,10 +9,10 @@ import numpy as np
 
 from models.arrays import FloatArray
 
-Kind = Literal["box", "capsule", "sphere", "cylinder", "ellipsoid"]
+Kind = Literal["box", "capsule", "sphere", "cylinder", "ellipsoid", "mesh"]
 
 KINDS: dict[int, Kind] = {int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind.upper()}")): kind for kind in get_args(Kind)}
-"""Shapes that can be drawn; others (meshes, planes) are left out."""
+"""Shapes that can be drawn; others (planes, height fields) are left out."""
 VISIBLE_GROUPS = 3
 """MuJoCo draws geom groups 0 to 2."""
 
@@ -32,6 +32,8 @@ class Shape(NamedTuple):
     """(3,) m as MuJoCo has it: half extents of boxes and ellipsoids, radius (and half length) of the others."""
     colour: FloatArray
     """(3,) red, green, blue, 0 to 1."""
+    triangles: FloatArray
+    """(N, 3, 3) m, the corners of a mesh's triangles in the part's frame; no triangles of other shapes."""
 
 
 class Part(NamedTuple):
@@ -85,14 +87,19 @@ def parts(
 
 
 def _shape(model: mujoco.MjModel, geom: int) -> Shape:
-    matrix = np.zeros(9)
+    matrix, place, corners = np.zeros(9), model.geom_pos[geom].copy(), np.zeros((0, 3, 3))
     mujoco.mju_quat2Mat(matrix, model.geom_quat[geom])
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = model.mesh(model.geom_dataid[geom])
+        faces = model.mesh_face[mesh.faceadr[0] :][: mesh.facenum[0]]
+        corners = model.mesh_vert[mesh.vertadr[0] :][faces] @ matrix.reshape(3, 3).T + place
     return Shape(
         name=model.geom(geom).name or str(geom),
         kind=KINDS[int(model.geom_type[geom])],
-        place=model.geom_pos[geom].copy(),
+        place=place,
         turn=model.geom_quat[geom][[1, 2, 3, 0]],
         axis=matrix.reshape(3, 3)[:, 2].copy(),
         size=model.geom_size[geom].copy(),
         colour=model.geom_rgba[geom][:3].astype(float),
+        triangles=corners,
     )

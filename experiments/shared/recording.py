@@ -101,6 +101,11 @@ def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tupl
         drawn = rr.Capsules3D(lengths=[2 * size[1]], radii=[size[0]], translations=[start], **common)
     elif shape.kind == "cylinder":
         drawn = rr.Cylinders3D(lengths=[2 * size[1]], radii=[size[0]], centers=[place], **common)
+    elif shape.kind == "mesh":
+        one, two, three = np.moveaxis(shape.triangles, 1, 0)
+        normals = np.repeat(np.cross(two - one, three - one), 3, axis=0)
+        corners = shape.triangles.reshape(-1, 3)
+        drawn = rr.Mesh3D(vertex_positions=corners, vertex_normals=normals, albedo_factor=colour)
     elif shape.kind == "box":
         drawn = rr.Boxes3D(half_sizes=[size], centers=[place], **common)
     else:

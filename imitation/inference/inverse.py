@@ -74,7 +74,10 @@ class BayesianInverse:
         selection: name of a selection rule.
         trust: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
             uniform prior.
-        prior: (F, A) prior over actions that replaces the habit.
+        prior: P(a | s) that replaces the habit: (F, A), the same everywhere, or `[factor, context..., action]`.
+
+    Raises:
+        ImitationError: a prior of another shape, below 0 or not finite.
     """
 
     def __init__(
@@ -85,7 +88,7 @@ class BayesianInverse:
         trust: FloatArray | float = 1.0,
         prior: FloatArray | None = None,
     ) -> None:
-        self.forward_model, self.rule, self.prior = forward_model, selection_rule(selection), prior
+        self.forward_model, self.rule = forward_model, selection_rule(selection)
         categories = any(axis.is_categorical for axis in forward_model.axes)
         self.ladder = CATEGORIES if categories else MEASURED
         self.line = None if categories else LinearInverse(forward_model)
@@ -94,6 +97,8 @@ class BayesianInverse:
         table = table ** exponent.reshape(-1, *(1,) * (table.ndim - 1))
         total = table.sum(-1, keepdims=True)
         self.habits = np.divide(table, total, out=np.zeros_like(table), where=total > 0)
+        if prior is not None:
+            self.habits = _everywhere(prior, self.habits.shape)
 
     def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
         """See `InverseModel`.
@@ -103,7 +108,7 @@ class BayesianInverse:
                 model.
         """
         self._check(terms)
-        prior = terms[0].rows.cells.read(self.habits) if self.prior is None else self.prior
+        prior = terms[0].rows.cells.read(self.habits)
         likelihoods, beyond = [], np.zeros(1, bool)
         for term in terms:
             likelihood, inside = term.rows.backwards(term.outcome)
@@ -174,6 +179,15 @@ def single(terms: Sequence[Term]) -> Term:
     if len(terms) != 1:
         raise ImitationError(f"{len(terms)} terms: this inverse model answers one; BayesianInverse multiplies several")
     return terms[0]
+
+
+def _everywhere(prior: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """(F, A) or `[factor, context..., action]` as the latter."""
+    if prior.shape == (shape[0], shape[-1]):
+        prior = np.broadcast_to(prior.reshape(shape[0], *(1,) * (len(shape) - 2), -1), shape)
+    if prior.shape != shape or not (np.isfinite(prior) & (prior >= 0)).all():
+        raise ImitationError(f"prior of shape {prior.shape}: numbers from 0 of {(shape[0], shape[-1])} or {shape}")
+    return prior
 
 
 def _described(axis: Axis) -> str:
