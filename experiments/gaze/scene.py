@@ -63,9 +63,7 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     path = through(np.array([[0.0, 0.0], np.rad2deg(aim)]), np.array([REST_S, STAY_S]))
     body.teacher_path = lambda t: path[min(round(t / 0.02), len(path) - 1)][None]
     centre = mind.pilot.retina.centre.reshape(2, 2)
-    frames: dict[str, list[FloatArray]] = {
-        k: [] for k in ("found", "predicted", "own", "teacher", "estimated", "probability")
-    }
+    frames: list[tuple[FloatArray, ...]] = []
     images: list[tuple[Image, Image]] = []
     events: list[tuple[float, str]] = [(0.0, "watches the teacher")]
     watching = LiveWatch(appearance, FRAME_S)
@@ -73,12 +71,8 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     nothing = np.full((count, 2, 2), np.nan)
 
     def note(pose: FloatArray, belief: FloatArray, predicted: FloatArray) -> None:
-        frames["found"].append(body.senses.read(senses, "place", (*FACE, *names))[0])
-        frames["predicted"].append(predicted)
-        frames["own"].append(body.joint_angles[0].copy())
-        frames["teacher"].append(body.teacher_angles[0].copy())
-        frames["estimated"].append(pose)
-        frames["probability"].append(belief)
+        found = body.senses.read(senses, "place", (*FACE, *names))[0]
+        frames.append((found, predicted, body.joint_angles[0].copy(), body.teacher_angles[0].copy(), pose, belief))
         images.append(body.images[0])
 
     rest = body.command_angles(body.rest[None])
@@ -118,7 +112,6 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     away = float(np.hypot(*toys_seen(body, senses, mind, names)[0][0, chosen, :2]))
     right = "the teacher's toy" if chosen == goal else f"not the teacher's, which is {names[goal]}"
     events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
-    stacked = {k: np.stack(v) for k, v in frames.items()}
-    balls = {name: places[i] for i, name in enumerate(names)}
-    seen = onlook(body.model, config.robot, stacked["own"], stacked["teacher"], balls)
-    return Following(names, goal, images, events=events, seen=seen, expected=expected, **stacked)
+    found, predicted, own, teacher, poses, beliefs = (np.stack(column) for column in zip(*frames, strict=True))
+    seen = onlook(body.model, config.robot, own, teacher, dict(zip(names, places, strict=True)))
+    return Following(names, goal, images, found, predicted, own, teacher, poses, beliefs, events, seen, expected)

@@ -85,7 +85,7 @@ def table_body(config: Config, copies: int, seed: int, tick_s: float) -> SeeingB
     balls = tuple(Ball(name, (0.5, 0.0, 0.02), COLOURS[name], 0.022) for name in TOYS)
     body = open_eyes(
         config, Finder(LABELS, areas=True), copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT),
-        teacher=True, distance=config.distance, balls=balls, card=True,
+        teacher=True, distance=config.distance, balls=balls,
     )  # fmt: skip
     for name in TOYS:
         body.place(name, np.array(PARKED))
@@ -181,12 +181,6 @@ def geometry(mind: LookingMind) -> Geometry:
     return Geometry(float(abs(moved[0, 1] - moved[1, 1]) / (2 * step)))
 
 
-def head_place(where: Geometry, place: FloatArray, tilt: FloatArray, centre: FloatArray) -> FloatArray:
-    """(3,) the middle of what is seen of resting faces, features at (N, K, 2, 2) pixels: their mean place."""
-    places = where.locate(place.reshape(*place.shape[:2], 4) - centre, tilt[:, None])
-    return np.asarray(np.nanmedian(places.reshape(-1, 3), axis=0))
-
-
 def located(trials: Trials, where: Geometry) -> FloatArray:
     """(N, G, 3) places of the toys in units of the distance between the eyes; NaN unseen."""
     return where.locate(trials.things, trials.tilt[:, None])
@@ -208,7 +202,8 @@ def lesson_for_gaze(
     senses = body.reset()
     tilt = body.senses.read(senses, "angle", ("tilt",))[:, 0]
     where = geometry(mind)
-    head = head_place(where, body.senses.read(senses, "place", FACE), tilt, mind.pilot.retina.centre)
+    places = where.locate(toys_seen(body, senses, mind, FACE)[0], tilt[:, None])
+    head = np.nanmedian(places.reshape(-1, 3), axis=0)
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
     appearance = mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
     naive = GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), where, WATCH_TILT)

@@ -12,6 +12,7 @@ from babbling.axes import FloatArray
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import PLAIN, THEIRS
+from experiments.shared.tables import table
 from imitation.seeing.features import COLOURS, find_features
 from imitation.seeing.finding import candidates
 from imitation.seeing.pose import Appearance, Watched, watch
@@ -136,23 +137,20 @@ class Crossed:
         none for fewer than three); and of what was told to the pose filter: RMS px from where the parts appear at
         the true pose by the learned appearance, the share further than `WRONG_PX`, the share of parts that was told.
         """
-        found: dict[str, dict[str, Any]] = {
-            f"distractor_{what}": {}
-            for what in ("rmse_deg", "interval_95_deg", "feature_rmse_px", "wrong_share", "told_share")
-        }
+        rows: dict[str, tuple[Any, ...]] = {}
         for name, runs in self.kept.items():
             away = np.concatenate([_away(o, t, self.appearance) for o, t in zip(runs, self.truths, strict=True)])
             told = away[np.isfinite(away)]
-            values = (
+            rows[name] = (
                 rmse_deg(np.concatenate([one.watched.pose for one in runs]), np.concatenate(self.truths)),
                 self._interval(self.sequence_deg[name]),
                 float(np.sqrt(np.mean(told**2))) if len(told) else None,
                 float(np.mean(told > WRONG_PX)) if len(told) else None,
                 len(told) / away.size,
             )
-            for what, value in zip(found, values, strict=True):
-                found[what][name] = value
-        return found
+        found = ("rmse_deg", "interval_95_deg", "feature_rmse_px", "wrong_share", "told_share")
+        columns = (dict(zip(rows, column, strict=True)) for column in zip(*rows.values(), strict=True))
+        return {f"distractor_{what}": column for what, column in zip(found, columns, strict=True)}
 
     def _interval(self, each: FloatArray) -> FloatArray | None:
         if len(each) < 3:
@@ -166,16 +164,17 @@ class Crossed:
         """Markdown."""
         pose, interval, px, wrong, told = self.metrics.values()
         rows = [
-            f"| {name} | {pose[name]:.3f}"
-            + ("" if interval[name] is None else f" ({interval[name][0]:.3f} to {interval[name][1]:.3f})")
-            + (" | - | -" if px[name] is None else f" | {px[name]:.2f} | {100 * wrong[name]:.1f}")
-            + f" | {100 * told[name]:.0f} |"
+            (
+                name,
+                f"{pose[name]:.3f}"
+                + ("" if interval[name] is None else f" ({interval[name][0]:.3f} to {interval[name][1]:.3f})"),
+                *(("-", "-") if px[name] is None else (f"{px[name]:.2f}", f"{100 * wrong[name]:.1f}")),
+                f"{100 * told[name]:.0f}",
+            )
             for name in self.kept
         ]
-        head = "| tracking | pose, deg RMS | features, px RMS | wrong thing, % | told, % |"
-        return "\n".join(
-            ["\n## Things of the face's colours cross the view\n", head, "|---|---|---|---|---|", *rows, ""]
-        )
+        header = ("tracking", "pose, deg RMS", "features, px RMS", "wrong thing, %", "told, %")
+        return f"\n## Things of the face's colours cross the view\n\n{table(rows, header)}\n"
 
 
 def _away(one: Kept, truth: FloatArray, appearance: Appearance) -> FloatArray:

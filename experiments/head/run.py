@@ -18,17 +18,18 @@ from experiments.head.options import Config
 from experiments.head.recall import reproduce, reproduce_elsewhere
 from experiments.head.recording import record
 from experiments.shared.caregiver import (
+    FIND_FACE,
     FRAME_S,
+    TURN_S,
     Occlusion,
     Search,
     Sequences,
     lesson,
-    opposite,
     search,
     watch_teacher,
 )
 from experiments.shared.experiment import Result
-from experiments.shared.eyes import reach_of, retina_of
+from experiments.shared.eyes import open_eyes, reach_of, retina_of
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
@@ -88,7 +89,10 @@ def run(config: Config) -> Result:
 
 
 def _search(config: Config) -> Search:
-    body = opposite(config, 1, config.seed + 1, distance=config.distance, tick_s=1.4, teacher=not config.absent)
+    body = open_eyes(
+        config, FIND_FACE, copies=1, tick_s=TURN_S, seed=config.seed + 1, teacher=not config.absent,
+        distance=config.distance,
+    )  # fmt: skip
     body.reset()
     return search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
 
@@ -103,7 +107,10 @@ def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], St
         for p in paths
     ]
     balls = BALLS if config.distractor else ()
-    body = opposite(config, count, config.seed + 2, distance=config.distance, tick_s=FRAME_S, balls=balls)
+    body = open_eyes(
+        config, FIND_FACE, copies=count, tick_s=FRAME_S, seed=config.seed + 2, teacher=True, distance=config.distance,
+        balls=balls,
+    )  # fmt: skip
     if not config.distractor:
         return watch_teacher(body, paths, cards, report), paths, None
     strays = Strays(body, [len(p) * TICK_S for p in paths], np.random.default_rng([config.seed, 0x57A]))

@@ -18,6 +18,4 @@ class Glance(NamedTuple):
     """(K, 4) pixels, where each thing was expected to be."""
     angles: FloatArray
     """(2,) true pan and tilt."""
-    target: int
-    """Which toy is looked for; -1 for none."""
     event: str

@@ -27,7 +27,7 @@ from experiments.shared.judging import LearningCurve
 from experiments.shared.options import EyeOptions
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.gaze.fixation import Fixation, Saccade
+from imitation.gaze.fixation import Fixation
 from models.onlooker import onlook
 from models.robots import head_of
 
@@ -118,37 +118,27 @@ def run(config: Config) -> Result:
 
 def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: int = 18) -> list[Glance]:
     """One head looks at one toy after the other: what the recording shows."""
-    body = nursery(eyes, seed, copies=1)
-    fixation = Fixation(mind, selection)
-    rng = np.random.default_rng([seed, 79])
-    schema, retina, reach = mind.pilot.schema, mind.pilot.retina, mind.pilot.reach
-    senses = body.reset()
-    glances: list[Glance] = []
-    visits = np.zeros(len(TOYS), int)
-    last = -1
-    nothing = np.full((len(TOYS), 4), np.nan)
-    centre = retina.centre
-    things = retina.things(senses)[0]
-    glances.append(Glance(body.images[0], things + centre, nothing, body.joint_angles[0].copy(), -1, "at rest"))
-    for _ in range(looks):
-        posture = body.senses.read(senses, "angle")
+    body, fixation, rng = nursery(eyes, seed, copies=1), Fixation(mind, selection), np.random.default_rng([seed, 79])
+    retina, reach = mind.pilot.retina, mind.pilot.reach
+    senses, glances = body.reset(), list[Glance]()
+    visits, last = np.zeros(len(TOYS), int), -1
+    expected, event = np.full((len(TOYS), 4), np.nan), "at rest"
+    while True:
+        things, posture = retina.things(senses)[0], body.senses.read(senses, "angle")
+        places = (things + retina.centre, expected + retina.centre)
+        glances.append(Glance(body.images[0], *places, body.joint_angles[0].copy(), event))
+        if len(glances) > looks:
+            return glances
         possible = np.flatnonzero(within_reach(mind, things, posture[0]) & (np.arange(len(things)) != last))
         if len(possible) and visits[possible].min() < ENOUGH:
-            least = possible[visits[possible] == visits[possible].min()]
-            last = int(rng.choice(least))
+            last = int(rng.choice(possible[visits[possible] == visits[possible].min()]))
             visits[last] += 1
-            saccade: Saccade = fixation.choose(things[None, last], posture, rng)
-            change, event = saccade.change, f"look at {TOYS[last]}"
+            change, event = fixation.choose(things[None, last], posture, rng).change, f"look at {TOYS[last]}"
         else:
             elsewhere = reach.low + (reach.high - reach.low) * rng.random((1, 2))
             change, event, last = elsewhere - posture, "nothing new in view: looks elsewhere", -1
         expected = mind.expect(things, np.repeat(posture, len(things), 0), np.repeat(change, len(things), 0))
-        senses = body.act(schema.motors(posture + change))
-        things = retina.things(senses)[0]
-        glances.append(
-            Glance(body.images[0], things + centre, expected + centre, body.joint_angles[0].copy(), last, event)
-        )
-    return glances
+        senses = body.act(mind.pilot.schema.motors(posture + change))
 
 
 def _summary(metrics: dict[str, Any]) -> str:

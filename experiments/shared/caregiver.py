@@ -1,6 +1,6 @@
 """A caregiver opposite: the lesson in which it mirrors the imitator, and the watching of what it does."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +11,6 @@ from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance
-from models.biclops.room import Ball
 from models.heads import CARD, PARKED
 from models.retina import Image
 from models.robots import EYE_HEIGHT
@@ -20,6 +19,7 @@ from models.seeing_body import SeeingBody, still
 FACE = ("red", "blue", "green", "yellow", "magenta")
 """Colours of nose, left eye, right eye, left ear, right ear."""
 EYES = ("blue", "green")
+FIND_FACE = Finder(FACE, areas=True)
 NUMBERS = 3
 """u, v and area of each feature in each eye."""
 FRAME_S = 0.04
@@ -36,23 +36,6 @@ SEARCH_PAN_DEG = (0.0, 35.0, -35.0, 70.0, -70.0)
 """Where to look for a face when there is none where one happens to look."""
 
 
-def opposite(
-    eyes: EyeOptions,
-    copies: int,
-    seed: int,
-    *,
-    distance: float,
-    tick_s: float,
-    teacher: bool = True,
-    balls: Sequence[Ball] = (),
-) -> SeeingBody:
-    """Heads with a teacher before them."""
-    return open_eyes(
-        eyes, Finder(FACE, areas=True), copies=copies, tick_s=tick_s, seed=seed, teacher=teacher,
-        distance=distance, card=True, balls=balls,
-    )  # fmt: skip
-
-
 def face_numbers(body: SeeingBody, senses: FloatArray) -> FloatArray:
     """(..., S) senses to (..., M) numbers of the face: u, v and area of each feature in each eye."""
     place, area = (body.senses.read(senses, channel, FACE) for channel in ("place", "area"))
@@ -63,7 +46,7 @@ def lesson(
     eyes: EyeOptions, count: int, seed: int, distance: float, report: Callable[[float], None] = lambda done: None
 ) -> Appearance:
     """Taking turns: the imitator takes a posture and looks back, the caregiver repeats it and is looked at."""
-    body = opposite(eyes, LESSON_COPIES, seed, distance=distance, tick_s=TURN_S)
+    body = open_eyes(eyes, FIND_FACE, copies=LESSON_COPIES, tick_s=TURN_S, seed=seed, teacher=True, distance=distance)
     body.reset()
     reach = reach_of(eyes.robot)
     low = np.maximum([-LESSON_PAN, -LESSON_TILT], reach.low)
@@ -143,19 +126,16 @@ def watch_teacher(
     padded = np.stack([np.pad(p, ((0, longest - len(p)), (0, 0)), mode="edge") for p in paths], axis=1)
     inner = round(body.tick_s / 0.02)
     body.teacher_path = lambda t: padded[min(round(t / 0.02), longest - 1)]
-    move(0.0)
-    senses = body.reset()
     rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
-    width = face_numbers(body, senses).shape[1]
-    numbers, truth = np.full((longest, body.copies, width), np.nan), np.full((longest, body.copies, 2), np.nan)
+    numbers = np.full((longest, body.copies, 2 * len(FACE) * NUMBERS), np.nan)
+    truth = np.full((longest, body.copies, 2), np.nan)
     hidden, images = np.zeros((longest, body.copies), bool), []
     for tick in range(0, longest, inner):
-        if tick:
-            for_cards = [o.place(tick * 0.02) for o in occlusions]
-            body.place(CARD, np.array(for_cards))
-            hidden[tick : tick + inner] = [place != PARKED for place in for_cards]
-            move(tick * 0.02)
-            senses = body.act(rest)
+        cards = [occlusion.place(tick * 0.02) for occlusion in occlusions]
+        body.place(CARD, np.array(cards))
+        hidden[tick : tick + inner] = [place != PARKED for place in cards]
+        move(tick * 0.02)
+        senses = body.act(rest) if tick else body.reset()
         numbers[tick], truth[tick] = face_numbers(body, senses), body.teacher_angles
         images.append(body.images[0])
         note()

@@ -55,10 +55,9 @@ def open_eyes(
     teacher: bool = False,
     distance: float = 0.8,
     balls: Sequence[Ball] = (),
-    card: bool = False,
 ) -> SeeingBody:
-    """Heads with these eyes on a stage; see `models.heads.stage` and `SeeingBody`."""
-    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=card).compile()
+    """Heads with these eyes on a stage, a card where there is a teacher; see `models.heads.stage` and `SeeingBody`."""
+    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=teacher).compile()
     return SeeingBody(
         model, eyes.robot, perceive, retina=retina_of(eyes), renderer=eyes.renderer, copies=copies, tick_s=tick_s,
         seed=seed, rest=rest,

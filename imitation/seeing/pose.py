@@ -184,23 +184,20 @@ class LiveWatch:
     def _correct(self, belief: Belief, numbers: FloatArray, there: BoolArray) -> Belief:
         look = self.appearance
         variance = np.where(np.isfinite(look.noise), look.noise, 1.0) ** 2
-        point, keep = belief.mean[:2], there
-        after = belief
+        after, keep = belief, there
         for round_ in range(3):  # iterated: the slope is taken where the belief goes
-            slope = look.slope(np.clip(point, look.low, look.high))
+            point = np.clip(after.mean[:2], look.low, look.high)
+            slope = look.slope(point)
             observation = np.concatenate([slope, np.zeros_like(slope)], axis=1)
             system = System(self.system.transition, self.system.process_noise, observation, np.diag(variance))
-            expected = look.expect(np.clip(point, look.low, look.high))
-            measured = np.where(there, numbers - expected + slope @ np.clip(point, look.low, look.high), 0.0)
+            measured = np.where(there, numbers - look.expect(point) + slope @ point, 0.0)
             if round_ == 0:
                 spread = np.einsum("mi,ij,mj->m", observation, belief.covariance, observation) + variance
                 surprise = np.where(there, (measured - observation @ belief.mean) ** 2 / spread, 0.0)
-                failed = np.unique(look.group[surprise > GATE])
-                keep = there & ~np.isin(look.group, failed)
+                keep = there & ~np.isin(look.group, look.group[surprise > GATE])
                 if not keep.any():
                     return belief
             after, _ = update(system, belief, measured, keep)
-            point = after.mean[:2]
         self.used = int(keep.sum())
         return after
 

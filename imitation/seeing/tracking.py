@@ -115,7 +115,7 @@ def follow(
     system = options.system
     belief = _ahead(track.belief, options, rng)
     others = [
-        LookAlike(predict(system, other.belief), other.sightings, other.unseen + 1, other.age + 1, -1)
+        other._replace(belief=predict(system, other.belief), unseen=other.unseen + 1, age=other.age + 1, place=-1)
         for other in track.look_alikes
     ]
 

@@ -8,14 +8,16 @@ import pytest
 
 from experiments.head.distractor import BALLS, PARTS, Crossed, Kept, Strays, keep
 from experiments.head.options import Config
-from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, opposite
+from experiments.shared.caregiver import FACE, FIND_FACE, FRAME_S, NUMBERS
+from experiments.shared.eyes import open_eyes
 from imitation.seeing.finding import alone
 from imitation.seeing.trackers import TRACKERS
 
 
 @pytest.fixture(scope="module")
 def strays() -> Strays:
-    body = opposite(Config(noise=0.0), 1, 0, distance=0.7, tick_s=FRAME_S, balls=BALLS)
+    how = Config(noise=0.0)
+    body = open_eyes(how, FIND_FACE, copies=1, tick_s=FRAME_S, seed=0, teacher=True, distance=0.7, balls=BALLS)
     return Strays(body, [6.0], np.random.default_rng(0))
 
 
