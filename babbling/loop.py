@@ -63,8 +63,8 @@ def flat(motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, FloatArray
     return senses[:-1].reshape(-1, width), motors.reshape(-1, motors.shape[-1]), senses[1:].reshape(-1, width)
 
 
-def bouts(minutes: float, body: Body) -> tuple[int, ...]:
-    """Ticks of each bout that together make `minutes` of body time over all copies.
+def bouts(minutes: float, body: Body, longest: int = BOUT_TICKS) -> tuple[int, ...]:
+    """Ticks of each bout, `longest` at most, that together make `minutes` of body time over all copies.
 
     Raises:
         BabblingError: no time at all, or less than one tick of it.
@@ -75,7 +75,7 @@ def bouts(minutes: float, body: Body) -> tuple[int, ...]:
             f"{minutes:g} minutes of babbling: it must be more than 0, at least one tick of {body.copies} copies "
             f"({body.tick_s * body.copies / 60:.2g} minutes)"
         )
-    return tuple(min(BOUT_TICKS, total - start) for start in range(0, total, BOUT_TICKS))
+    return tuple(min(longest, total - start) for start in range(0, total, longest))
 
 
 def experience(body: Body, babbler: Babbler, seed: int, bout: int, ticks: int) -> tuple[FloatArray, FloatArray]:

@@ -21,10 +21,8 @@ CARD: Final = "card"
 PARKED: Final = (0.0, 0.0, -5.0)
 
 
-def stage(
-    robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] = (), card: bool = False
-) -> mujoco.MjSpec:
-    """The robot at its table, with a teacher opposite, balls and a card on request; positions in the table's frame.
+def stage(robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] = ()) -> mujoco.MjSpec:
+    """The robot at its table, with balls, a teacher opposite and a card to hide it; positions in the table's frame.
 
     Raises:
         BodyError: see `head_of`, `models.biclops.room`.
@@ -38,7 +36,7 @@ def stage(
     if teacher:
         seat_teacher(scene, scene.site("opposite"), distance)
     hang_balls(scene, moved)
-    if card:
+    if teacher:
         body = scene.worldbody.add_body(name=CARD, pos=PARKED, mocap=True)
         body.add_geom(
             name=CARD, type=mujoco.mjtGeom.mjGEOM_BOX, size=(0.002, 0.16, 0.13), rgba=(0.5, 0.5, 0.52, 1), group=2,

@@ -36,12 +36,10 @@ def infer(
             continue
         labels = tuple(toys[k] for k in there)
         salience = np.ones(len(there)) if even else trials.salience[i, there]
-        prior = (likes or Preferences()).prior(labels, salience)
-        if not np.isfinite(trials.pose[i]).all():
-            probability[i, there] = prior
-            continue
-        posterior = who.gaze.read(trials.pose[i], places[i, there], who.head, prior, sees)
-        probability[i, there] = posterior.probability if posterior.informed else prior
+        probability[i, there] = prior = (likes or Preferences()).prior(labels, salience)
+        if np.isfinite(trials.pose[i]).all():
+            posterior = who.gaze.read(trials.pose[i], places[i, there], who.head, prior, sees)
+            probability[i, there] = posterior.probability if posterior.informed else prior
     return probability
 
 

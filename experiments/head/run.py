@@ -29,7 +29,7 @@ from experiments.shared.caregiver import (
     watch_teacher,
 )
 from experiments.shared.experiment import Result
-from experiments.shared.eyes import open_eyes, reach_of, retina_of
+from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
@@ -54,7 +54,6 @@ def run(config: Config) -> Result:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
     config.check()
-    retina_of(config)
     if config.memory is not None:
         return from_memory(config)
     with progress("looking for a face") as report:

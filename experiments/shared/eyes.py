@@ -8,8 +8,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel
 from babbling.looking import LookingMind, LookingPilot, Reach, pilot_looking
-from babbling.loop import BOUT_TICKS, Transitions, babble
-from experiments.errors import ExperimentError
+from babbling.loop import Transitions, babble, bouts
 from experiments.shared.options import EyeOptions
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
@@ -56,8 +55,8 @@ def open_eyes(
     distance: float = 0.8,
     balls: Sequence[Ball] = (),
 ) -> SeeingBody:
-    """Heads with these eyes on a stage, a card where there is a teacher; see `models.heads.stage` and `SeeingBody`."""
-    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls, card=teacher).compile()
+    """Heads with these eyes on a stage; see `models.heads.stage` and `SeeingBody`."""
+    model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls).compile()
     return SeeingBody(
         model, eyes.robot, perceive, retina=retina_of(eyes), renderer=eyes.renderer, copies=copies, tick_s=tick_s,
         seed=seed, rest=rest,
@@ -121,15 +120,9 @@ def learn_to_look(
     """Pilot and so many body-minutes of saccades; with `notes`, their transitions are kept there too.
 
     Raises:
-        ExperimentError: no time at all.
+        BabblingError: no time at all.
     """
-    ticks = round(minutes * 60 / body.tick_s / body.copies) if np.isfinite(minutes) else 0
-    if minutes <= 0 or ticks < 1:
-        raise ExperimentError(
-            f"{minutes:g} minutes of looking about: at least {body.tick_s * body.copies / 60:.2g} are needed, "
-            f"one saccade of each of {body.copies} heads"
-        )
-    plan = tuple(min(BOUT, BOUT_TICKS, ticks - start) for start in range(0, ticks, BOUT))
+    plan = bouts(minutes, body, BOUT)
     found = pilot_looking(body, reach_of(body.robot), seed)
     done = np.cumsum(plan) * body.tick_s * body.copies / 60
 

@@ -78,7 +78,7 @@ def test_a_scene_without_cameras_is_refused() -> None:
 
 
 def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:
-    with pytest.raises(ExperimentError, match="0 minutes of looking about"):
+    with pytest.raises(BabblingError, match="0 minutes of babbling"):
         learn_to_look(body, 0.0, 0)
 
 
