@@ -40,14 +40,10 @@ def draw_maze(axes: Axes, maze: Maze, goals: Sequence[int] = (), *, colour: str 
             *maze.goals[goal - 1], "o", markersize=5 + 6 * size, zorder=2.5 if size == 1 else 4,
             color=GOAL_SHADES[goal - 1], markeredgecolor="black", markeredgewidth=1.2,
         )  # fmt: skip
-    axes.set_xlim(0.2, maze.width + 0.8)
-    axes.set_ylim(0.2, maze.height + 0.8)
-    axes.set_aspect("equal")
-    axes.set_xticks(_ticks(maze.width))
-    axes.set_yticks(_ticks(maze.height))
+    axes.set(xlim=(0.2, maze.width + 0.8), ylim=(0.2, maze.height + 0.8), aspect="equal")
+    axes.set(xticks=_ticks(maze.width), yticks=_ticks(maze.height))
     axes.tick_params(length=0, labelsize=8)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
+    axes.spines[:].set_visible(False)
 
 
 def draw_walks(axes: Axes, walks: Sequence[IntArray], *, dashed: bool, width: float = 1.6) -> None:
@@ -62,7 +58,7 @@ def draw_walks(axes: Axes, walks: Sequence[IntArray], *, dashed: bool, width: fl
         shades = 0.82 * (1 - np.linspace(0, 1, max(len(pieces), 2))[: len(pieces)])
         axes.add_collection(
             LineCollection(
-                pieces[moving],
+                list(pieces[moving]),
                 colors=[(s, s, s) for s in shades[moving]],
                 linewidths=width,
                 linestyles=(0, (2.2, 1.1)) if dashed else "solid",
@@ -95,4 +91,4 @@ def _runs(row: BoolArray) -> list[tuple[int, int]]:
 
 def _ticks(size: int) -> list[int]:
     step = max(1, round(size / 20)) * 5 if size > 10 else 1
-    return [1, *range(step, size + 1, step)] if step > 1 else list(range(1, size + 1))
+    return sorted({1, *range(step, size + 1, step)})

@@ -50,8 +50,7 @@ def figure_5(done: Found) -> Figure:
         for (row, col), value in np.ndenumerate(table):
             shade = "white" if value < 0.5 else "black"
             axes.text(col, row, f"{value:.2f}".lstrip("0"), ha="center", va="center", fontsize=8, color=shade)
-        axes.set_xticks(range(5), ACTIONS)
-        axes.set_yticks(range(5), ACTIONS)
+        axes.set(xticks=range(5), yticks=range(5), xticklabels=ACTIONS, yticklabels=ACTIONS)
         axes.set_xlabel("$s_{t+1}$ relative to $s_t$")
         axes.set_title(title, loc="left", fontsize=10)
         axes.tick_params(length=0)
@@ -67,9 +66,7 @@ def _draw_actions(axes: Axes) -> None:
             arrow = {"arrowstyle": "-|>", "lw": 2, "color": "k"}
             axes.annotate("", (0.86 * dx, 0.86 * dy), (0.22 * dx, 0.22 * dy), arrowprops=arrow)
         axes.text(1.28 * dx, 1.28 * dy, name, ha="center", va="center", fontsize=12, weight="bold")
-    axes.set_xlim(-2.6, 2.6)
-    axes.set_ylim(-1.65, 1.65)
-    axes.set_aspect("equal")
+    axes.set(xlim=(-2.6, 2.6), ylim=(-1.65, 1.65), aspect="equal")
     axes.set_axis_off()
 
 
@@ -87,10 +84,7 @@ def figure_6(done: Found) -> Figure:
             extent=(0.5, maze.width + 0.5, 0.5, maze.height + 0.5),
         )  # fmt: skip
         draw_maze(axes, maze, colour="#5f86a8", width=0.7)
-        axes.set_xlim(0.4, maze.width + 0.6)
-        axes.set_ylim(0.4, maze.height + 0.6)
-        axes.set_xticks([])
-        axes.set_yticks([])
+        axes.set(xlim=(0.4, maze.width + 0.6), ylim=(0.4, maze.height + 0.6), xticks=[], yticks=[])
         axes.set_xlabel(name, weight="bold")
         if i == 0:
             axes.set_title(f"(a)  $P(a_t \\mid s_t, s_G)$, Goal {goal}", loc="left", fontsize=11)
@@ -123,30 +117,25 @@ def figure_7(done: Found) -> Figure:
     told = ", ".join(f"{p:g}" for p in done.goal_prior.round(3))
     edges = np.append(np.arange(0, walk.steps, BLOCK), walk.steps)
     panels = (
-        (f"(b)  inferred intent, Eq. (2), goal prior {told}", inferred.by_step.probability, True),
-        ("goal prior uniform", even.by_step.probability, True),
-        (f"Bayes filter, goal prior {told}", inferred.filtered.probability, False),
-        ("Bayes filter, goal prior uniform", even.filtered.probability, False),
+        (f"(b)  inferred intent, Eq. (2), goal prior {told}", "", inferred.by_step),
+        ("goal prior uniform", f"step (means over {BLOCK}, the last over {edges[-1] - edges[-2]})", even.by_step),
+        (f"Bayes filter, goal prior {told}", "", inferred.filtered),
+        ("Bayes filter, goal prior uniform", "step", even.filtered),
     )
-    for i, (title, probability, blocks) in enumerate(panels):
+    for i, (title, below, intent) in enumerate(panels):
+        blocks = i < 2
+        at = (edges[:-1] + edges[1:]) / 2 if blocks else np.arange(1, walk.steps + 1)
+        values = in_blocks(intent.probability, BLOCK) if blocks else intent.probability
         axes = figure.add_subplot(grid[i % 2, 1 + i // 2])
         for goal in range(len(maze.goals)):
-            at = (edges[:-1] + edges[1:]) / 2 if blocks else np.arange(1, walk.steps + 1)
-            values = in_blocks(probability[:, goal], BLOCK) if blocks else probability[:, goal]
             axes.plot(
-                at, values, "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
+                at, values[:, goal], "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
                 markerfacecolor=GOAL_SHADES[goal], markeredgecolor=GOAL_COLOURS[goal], label=f"Goal {goal + 1}",
             )  # fmt: skip
-        axes.set_ylim(-0.03, 1.03)
-        axes.set_xlim(0, walk.steps + 1)
+        axes.set(ylim=(-0.03, 1.03), xlim=(0, walk.steps + 1), xlabel=below, ylabel="$P(s_G)$" if blocks else "")
         axes.set_title(title, loc="left", fontsize=10)
         axes.grid(alpha=0.25)
-        axes.set_ylabel("$P(s_G)$" if i < 2 else "")
-        axes.set_xlabel(
-            f"step (means over {BLOCK}, the last over {edges[-1] - edges[-2]})" if i == 1 else "step" if i % 2 else ""
-        )
-        if i == 0:
-            axes.legend(frameon=False, fontsize=9, loc="center")
+    figure.axes[1].legend(frameon=False, fontsize=9, loc="center")
     return figure
 
 
