@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from babbling.axes import FloatArray
+from babbling.errors import BabblingError
 
 
 class Body(Protocol):
@@ -44,3 +45,21 @@ class Body(Protocol):
 
     def act(self, motors: FloatArray) -> FloatArray:
         """(B, M) commands, held for one tick; returns the (B, S) sensations at its end."""
+
+
+class OfOneBody:
+    """Whatever was learned with one body and is of no use to another."""
+
+    fingerprint: str
+
+    def check(self, body: Body) -> None:
+        """Refuse to act with somebody else's body.
+
+        Raises:
+            BabblingError: the fingerprints differ.
+        """
+        if self.fingerprint != body.fingerprint:
+            raise BabblingError(
+                f"this was learned by another body (fingerprint {self.fingerprint}, this body has {body.fingerprint}): "
+                "the same robot, wear and scramble are needed; babble anew"
+            )

@@ -20,7 +20,7 @@ from typing import Annotated
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
-from babbling.body import Body
+from babbling.body import OfOneBody
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers, kind
 from babbling.mirroring import MirrorExperience
@@ -104,7 +104,7 @@ class Image:
 
 @kind("body image", "`imitate correspondence` leaves such files")
 @dataclass(frozen=True)
-class BodyImage(Image):
+class BodyImage(Image, OfOneBody):
     """An image learned in front of a mirror, from postures that were babbled, and how it came about."""
 
     fingerprint: str
@@ -112,18 +112,6 @@ class BodyImage(Image):
     organs: Organs
     minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time in front of the mirror."""
-
-    def check(self, body: Body) -> None:
-        """Refuse to look with somebody else's body.
-
-        Raises:
-            BabblingError: the fingerprints differ.
-        """
-        if self.fingerprint != body.fingerprint:
-            raise BabblingError(
-                f"this is another body's image (fingerprint {self.fingerprint}, this body has {body.fingerprint}): the "
-                "same robot, wear and scramble are needed; look into the mirror anew"
-            )
 
 
 LIBRARY = 200

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 
 from babbling.axes import FloatArray
-from babbling.body import Body
+from babbling.body import Body, OfOneBody
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel, same_axes
 from babbling.kinds import Numbers, kind
@@ -32,7 +32,7 @@ class Temper:
 
 @kind("mind", "make one with `imitate babble`")
 @dataclass(frozen=True)
-class Mind:
+class Mind(OfOneBody):
     """Body schema, axes, dynamics (`pilot`) and forward model of one body."""
 
     fingerprint: str
@@ -47,18 +47,6 @@ class Mind:
             raise BabblingError("the forward model has other axes than its pilot found; babble anew")
         if len(self.pilot.schema.rate) != len(self.pilot.schema.posture):
             raise BabblingError("each motor needs a sense that says how fast it moves; babble anew")
-
-    def check(self, body: Body) -> None:
-        """Refuse to act with somebody else's body.
-
-        Raises:
-            BabblingError: the fingerprints differ.
-        """
-        if self.fingerprint != body.fingerprint:
-            raise BabblingError(
-                f"this forward model was learned by another body (fingerprint {self.fingerprint}, this body has "
-                f"{body.fingerprint}): same robot, wear and scramble are needed; babble anew"
-            )
 
 
 def learn(

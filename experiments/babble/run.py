@@ -7,7 +7,6 @@ from babbling.mind import Mind
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import babbling_curve
-from experiments.gesture.run import curve_metrics
 from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, writing
@@ -35,7 +34,7 @@ def command(config: Config) -> None:
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
     save_learned(learned, out, config, config.babbling_minutes)
     checkpoint.unlink(missing_ok=True)
-    metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
+    metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics}
     out.with_suffix(".json").write_text(as_json(metrics))
     assert learned.curve is not None
     babbling_curve(learned.curve).savefig(out.with_suffix(".png"), dpi=130)

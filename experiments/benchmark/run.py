@@ -15,7 +15,6 @@ from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.options import Config
 from experiments.benchmark.peers import MLPInverse, have_sklearn
 from experiments.gesture.figures import babbling_curve
-from experiments.gesture.run import curve_metrics
 from experiments.shared.baselines import direct_replay, replay_commands
 from experiments.shared.experiment import Result
 from experiments.shared.judging import LearningCurve, rmse_deg
@@ -40,7 +39,7 @@ def run(config: Config) -> Result:
     mind = learned.mind
     peers = inverse_models(mind, config)
     errors: dict[str, dict[str, float]] = {}
-    metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics, **curve_metrics(learned)}
+    metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics}
     with progress("imitating") as report:
         gains: dict[str, FloatArray] = {}
         for done, (name, one) in enumerate(seen.items()):

@@ -25,20 +25,6 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Hidden:
-    """One part hidden for a second while it moved most, with noisy eyes."""
-
-    demonstration: str
-    part: str
-    error_deg: float
-    """Mean over all parts and frames."""
-    seen_error_deg: float
-    """The same when nothing was hidden."""
-    worst_speed: float
-    """Fastest joint of the sub-goals, rad/s."""
-
-
-@dataclass(frozen=True)
 class Studied:
     """Everything one run found."""
 
@@ -46,17 +32,11 @@ class Studied:
     clean: Pupil
     noisy: Pupil
     rows: dict[str, Row]
+    shown: Row
+    """The teacher of the recording: who is asked for, or else the first."""
     curve: FloatArray
     """(K, 3) body-minutes, error with clean and with noisy eyes, degrees."""
-    hidden: list[Hidden]
+    hidden: FloatArray
+    """(K, 2) of each teacher, one part hidden for a second while it moved most, with noisy eyes: mean error over all
+    parts and frames, as a multiple of that with nothing hidden; and the fastest joint of the sub-goals, rad/s."""
     acts: Acts
-
-    @property
-    def shown(self) -> Row:
-        """The teacher of the recording."""
-        return shown(self.config, self.rows)
-
-
-def shown(config: Config, rows: dict[str, Row]) -> Row:
-    """The teacher that is asked for, or else the first."""
-    return rows.get(config.shown) or next(iter(rows.values()))

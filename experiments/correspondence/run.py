@@ -14,7 +14,7 @@ from babbling.mirroring import MirrorExperience
 from babbling.pilot import pilot
 from experiments.correspondence.acts import act_study
 from experiments.correspondence.figures import figures
-from experiments.correspondence.found import Hidden, Row, Studied, shown
+from experiments.correspondence.found import Row, Studied
 from experiments.correspondence.options import Config
 from experiments.correspondence.recording import record
 from experiments.shared import minds
@@ -62,10 +62,11 @@ def run(config: Config) -> Result:
         )
         for name, performance in performances.items()
     }
-    curve = learning_curve(config, options, shown(config, rows), [(clean, experience), (noisy, blurry)])
+    shown = rows.get(config.shown) or next(iter(rows.values()))
+    curve = learning_curve(config, options, shown, [(clean, experience), (noisy, blurry)])
     hidden = hide_parts(noisy, rows, rng)
     acts = act_study(noisy, config.acts, config.tries, config.seed)
-    done = Studied(config, clean, noisy, rows, curve, hidden, acts)
+    done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts)
     metrics = measure(done)
     summary = summarise(metrics, rows)
     labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
@@ -108,11 +109,11 @@ def learning_curve(
     return np.array(points)
 
 
-def hide_parts(pupil: Pupil, rows: dict[str, Row], rng: np.random.Generator) -> list[Hidden]:
+def hide_parts(pupil: Pupil, rows: dict[str, Row], rng: np.random.Generator) -> FloatArray:
     """In every demonstration the part that turns most within a second is hidden for just that second."""
-    results = []
+    results: list[tuple[float, float]] = []
     tick_s = pupil.body.tick_s
-    for name, row in rows.items():
+    for row in rows.values():
         teacher, parts = row.noisy.teacher, row.noisy.found.parts
         ticks = round(HIDDEN_S / tick_s)
         if len(teacher) < ticks + 20:
@@ -122,9 +123,8 @@ def hide_parts(pupil: Pupil, rows: dict[str, Row], rng: np.random.Generator) -> 
         away = np.zeros(len(teacher), bool)
         away[start + 5 : start + 5 + ticks] = True
         found = pupil.follow(row.performance, rng, {parts[int(part)]: away})
-        before, after = float(row.noisy.error_deg.mean()), float(found.error_deg.mean())
-        results.append(Hidden(name, parts[int(part)], after, before, float(found.speeds(tick_s).max())))
-    return results
+        results.append((found.error_deg.mean() / row.noisy.error_deg.mean(), found.speeds(tick_s).max()))
+    return np.array(results).reshape(-1, 2)
 
 
 def measure(done: Studied) -> dict[str, Any]:
@@ -163,8 +163,8 @@ def measure(done: Studied) -> dict[str, Any]:
         "organ_identification_rate": acts.rate,
         "first_try_error_deg": float(np.median(acts.errors_deg[:, 1])),
         "last_try_error_deg": float(np.median(acts.errors_deg[:, -1])),
-        "hidden_error_ratio": float(max((h.error_deg / h.seen_error_deg for h in hidden), default=1.0)),
-        "hidden_worst_speed": float(max((h.worst_speed for h in hidden), default=0.0)),
+        "hidden_error_ratio": hidden[:, 0].max() if len(hidden) else 1.0,
+        "hidden_worst_speed": hidden[:, 1].max(initial=0.0),
         "curve_body_minutes": minutes,
         "curve_clean_deg": clean_deg,
         "curve_noisy_deg": noisy_deg,

@@ -1,5 +1,7 @@
 """Figures of `imitate gesture`."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -9,15 +11,15 @@ from experiments.shared.judging import LearningCurve
 from experiments.shared.palette import OURS, PLAIN, THEIRS
 
 
-def figures(done: Performed) -> dict[str, Figure]:
+def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
     """File stem -> figure."""
-    made = {"imitation": imitation(done), "body_schema": body_schema(done)}
+    made = {"imitation": imitation(done, metrics), "body_schema": body_schema(done)}
     if done.learned.curve is not None:
         made["learning_curve"] = babbling_curve(done.learned.curve)
     return made
 
 
-def imitation(done: Performed) -> Figure:
+def imitation(done: Performed, metrics: Mapping[str, float]) -> Figure:
     """The joints that move most: demonstrated, imitated, replayed; and what either missed by."""
     chosen = done.busiest[:4]
     time = np.arange(len(done.seen.angles)) * done.body.tick_s
@@ -41,8 +43,8 @@ def imitation(done: Performed) -> Figure:
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     figure.suptitle(
-        f"RMSE over all joints: imitated {done.metrics['joint_rmse_deg']:.3f} deg, "
-        f"direct replay {done.metrics['direct_replay_rmse_deg']:.3f} deg",
+        f"RMSE over all joints: imitated {metrics['joint_rmse_deg']:.3f} deg, "
+        f"direct replay {metrics['direct_replay_rmse_deg']:.3f} deg",
         fontsize=11,
     )
     return figure

@@ -1,12 +1,12 @@
 """What one run of `imitate gesture` produced, for its figures and its recording."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from experiments.gesture.options import Config
 from experiments.shared.minds import Learned
 from experiments.shared.watching import Seen
 from imitation.acting.loop import Attempt
@@ -17,15 +17,14 @@ from models.body import SimulatedBody
 class Performed:
     """Everything that one run of the experiment produced, for figures and the recording."""
 
-    robot: str
-    seed: int
+    config: Config
     body: SimulatedBody
     seen: Seen
     learned: Learned
     attempts: list[Attempt]
+    peer: Attempt
+    """The linear inverse model in the same loop."""
     replayed: FloatArray
-    metrics: dict[str, Any]
-    summary: str
 
     @property
     def imitated(self) -> FloatArray:

@@ -24,11 +24,11 @@ SHOWN = 3
 """Joints that move most, whose beliefs are shown."""
 
 
-def record(path: Path, done: Performed) -> None:
+def record(path: Path, done: Performed, summary: str) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
-    name = f"{done.seen.movement.name} by {done.robot}, seed {done.seed}"
-    with recording(path, "imitate-gesture", name, layout(joints), done.summary) as stream:
+    name = f"{done.seen.movement.name} by {done.config.robot}, seed {done.config.seed}"
+    with recording(path, "imitate-gesture", name, layout(joints), summary) as stream:
         _log_world(stream, done)
         _log_joints(stream, done)
         _log_beliefs(stream, done)

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray
 from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
@@ -13,15 +12,14 @@ from experiments.gesture.recording import record
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
-from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
+from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, seen_in_mirror, take_image
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from experiments.shared.watching import Seen, retarget_metrics, watch
-from imitation.acting.loop import Attempt, imitate
+from experiments.shared.watching import Seen, watch
+from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import EAGERNESS, best_eagerness
 from imitation.inference.inverse import LinearInverse
-from models.body import SimulatedBody
 
 
 def run(config: Config) -> Result:
@@ -62,28 +60,19 @@ def run(config: Config) -> Result:
         rng=np.random.default_rng([config.seed, 9]),
         witness=lambda: body.joint_angles,
     )[0]
-    replayed = direct_replay(body, seen.angles)
-    metrics = measure(config, body, seen, learned, attempts, peer, replayed)
+    done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
+    metrics = measure(done)
     summary = summarise(metrics, seen)
-    done = Performed(config.robot, config.seed, body, seen, learned, attempts, replayed, metrics, summary)
-    return Result(metrics, summary, figures(done), lambda path: record(path, done))
+    return Result(metrics, summary, figures(done, metrics), lambda path: record(path, done, summary))
 
 
-def measure(
-    config: Config,
-    body: SimulatedBody,
-    seen: Seen,
-    learned: Learned,
-    attempts: list[Attempt],
-    peer: Attempt,
-    replayed: FloatArray,
-) -> dict[str, Any]:
+def measure(done: Performed) -> dict[str, Any]:
     """The numbers of metrics.json."""
-    last = attempts[-1]
-    error = np.rad2deg(last.truth[:, 0] - seen.angles)
+    config, body, seen, learned, last = done.config, done.body, done.seen, done.learned, done.attempts[-1]
+    error = np.rad2deg(done.imitated - seen.angles)
     labels = [body.sense_labels[sense] for sense in learned.mind.pilot.schema.posture]
     right = np.mean([label == joint for label, joint in zip(labels, body.motor_labels, strict=True)])
-    select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in attempts])
+    select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in done.attempts])
     return {
         "demonstration": config.demonstration,
         "remarks": list(seen.remarks),
@@ -94,9 +83,9 @@ def measure(
         "tick": body.tick_s,
         "joint_rmse_deg": float(np.sqrt(np.mean(error**2))),
         "joint_rmse_deg_by_joint": dict(zip(body.joints, np.sqrt(np.mean(error**2, axis=0)).tolist(), strict=True)),
-        "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in attempts],
-        "direct_replay_rmse_deg": rmse_deg(replayed, seen.angles),
-        "linear_peer_rmse_deg": rmse_deg(peer.truth[:, 0], seen.angles),
+        "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in done.attempts],
+        "direct_replay_rmse_deg": rmse_deg(done.replayed, seen.angles),
+        "linear_peer_rmse_deg": rmse_deg(done.peer.truth[:, 0], seen.angles),
         "uninformed_selections": int(last.uninformed.sum()),
         "selections": last.selections,
         "never_tried_share": float(np.mean(last.familiarity < 1)),
@@ -106,21 +95,8 @@ def measure(
         "body_schema_correct_share": float(right),
         "eagerness_mean": float(learned.mind.temper.eagerness.mean()),
         "habit_mean": float(learned.mind.temper.trust.mean()),
-        **retarget_metrics(seen.oracle),
-        **correspondence_metrics(seen.learned, seen.oracle, body.tick_s),
+        **correspondence_metrics(seen, body.tick_s),
         **learned.metrics,
-        **curve_metrics(learned),
-    }
-
-
-def curve_metrics(learned: Learned) -> dict[str, Any]:
-    """The learning curve's numbers; nothing for a mind from a file."""
-    if learned.curve is None:
-        return {}
-    return {
-        "learning_curve_body_minutes": learned.curve.minutes,
-        "learning_curve_table_deg": learned.curve.table,
-        "learning_curve_linear_deg": learned.curve.line,
     }
 
 

@@ -11,7 +11,7 @@ from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_
 from experiments.maze.found import BLOCK, Found
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import places_of
-from experiments.shared.figures import draw_curve
+from experiments.shared.figures import learning_curve as draw_curve
 from experiments.shared.palette import OURS
 from imitation.inference.intent import in_blocks
 from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS
@@ -147,7 +147,8 @@ def learning_curve(curve: Convergence) -> Figure:
     if (curve.low < curve.high).any():
         axes.fill_between(curve.steps, curve.low, curve.high, color=OURS, alpha=0.18, lw=0, label="8 walkers of 10")
     lines = {"learned rows": curve.tv, "multinomial bound": curve.bound}
-    draw_curve(axes, curve.steps.astype(float), lines, ("wandering steps", "mean total variation per row"), log=True)
+    labels = ("wandering steps", "mean total variation per row")
+    draw_curve(curve.steps.astype(float), lines, labels, log=True, onto=axes)
     if wide:
         beside = figure.add_subplot(1, 2, 2, sharey=axes)
         visits, tv = curve.per_visit.T

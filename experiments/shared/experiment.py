@@ -172,12 +172,6 @@ def as_json(value: Any) -> str:
     """Readable JSON of numbers, NumPy arrays and paths; refuses NaN and infinity."""
 
     def plain(x: Any) -> Any:
-        if isinstance(x, Mapping):
-            return {str(k): plain(v) for k, v in x.items()}
-        if hasattr(x, "tolist"):  # NumPy's
-            return plain(x.tolist())
-        if isinstance(x, list | tuple):
-            return [plain(v) for v in x]
-        return x if x is None or isinstance(x, bool | int | float | str) else str(x)
+        return x.tolist() if hasattr(x, "tolist") else str(x)
 
-    return json.dumps(plain(value), indent=2, allow_nan=False) + "\n"
+    return json.dumps(value, indent=2, allow_nan=False, default=plain) + "\n"

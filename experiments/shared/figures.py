@@ -12,22 +12,6 @@ STYLES = (("o-", OURS), ("s--", THEIRS))
 
 
 def learning_curve(
-    x: FloatArray,
-    lines: Mapping[str, FloatArray],
-    labels: tuple[str, str],
-    title: str = "",
-    level: tuple[str, float] | None = None,
-    *,
-    log: bool = False,
-) -> Figure:
-    """What was learned against what it took; see `draw_curve`."""
-    figure = Figure(figsize=(6.5, 4.2), layout="constrained")
-    draw_curve(figure.subplots(), x, lines, labels, title, level, log=log)
-    return figure
-
-
-def draw_curve(
-    axes: Axes,
     x: FloatArray | Sequence[float],
     lines: Mapping[str, FloatArray | Sequence[float]],
     labels: tuple[str, str],
@@ -35,8 +19,12 @@ def draw_curve(
     level: tuple[str, float] | None = None,
     *,
     log: bool = False,
-) -> None:
-    """Lines by name over x, the imitator's own first; `level` is a name and a value to compare with."""
+    onto: Axes | None = None,
+) -> Figure:
+    """What was learned against what it took: lines by name over x, the imitator's own first; `level` is a name and a
+    value to compare with. A figure of its own, or the axes of another."""
+    figure = Figure(figsize=(6.5, 4.2), layout="constrained")
+    axes = figure.subplots() if onto is None else onto
     for (name, values), (mark, ink) in zip(lines.items(), STYLES, strict=False):
         axes.plot(x, values, mark, color=ink, ms=5, label=name)
     if level is not None:
@@ -48,3 +36,4 @@ def draw_curve(
     else:
         axes.set_ylim(0, None)
     axes.legend(frameon=False)
+    return figure

@@ -65,7 +65,8 @@ def people_say(body: SimulatedBody) -> Mapping[str, Sequence[str]]:
 
 
 class HeldOut:
-    """Babbling that is held out, and the learning curve that it gives while more and more is learned."""
+    """Babbling that is held out, and what it says while more and more is learned: points of a `LearningCurve`, degrees
+    of posture (root mean square over factors and transitions)."""
 
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
         body = body_of(options, COPIES, stream=2)
@@ -82,10 +83,6 @@ class HeldOut:
 
     def _error(self, predicted: FloatArray) -> float:
         return float(np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))))
-
-    def curve(self) -> LearningCurve:
-        """The curve so far, degrees of posture (root mean square over factors and transitions)."""
-        return LearningCurve.of(self.points)
 
 
 def learn_mind(
@@ -132,7 +129,7 @@ def learn_mind(
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(body_of(options, len(EAGERNESS), stream=1), mind, options.seed)
     report(1.0)
-    ticks = sum(plan) - done_ticks
+    ticks, curve = sum(plan) - done_ticks, LearningCurve.of(held_out.points)
     metrics = {
         "babbling_transitions": model.transitions,
         "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
@@ -144,8 +141,11 @@ def learn_mind(
         if spent > 0
         else 1.0,
         "steps_per_second_factor": ticks * COPIES * body.substeps / spent if spent > 0 else 0.0,
+        "learning_curve_body_minutes": curve.minutes,
+        "learning_curve_table_deg": curve.table,
+        "learning_curve_linear_deg": curve.line,
     }
-    return Learned(mind, metrics, held_out.curve() if held_out.points else None)
+    return Learned(mind, metrics, curve)
 
 
 def bare_rate(body: SimulatedBody, found: Pilot, rng: np.random.Generator, ticks: int = BARE_TICKS) -> float:

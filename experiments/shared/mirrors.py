@@ -117,17 +117,24 @@ def seen_in_mirror(seen: Seen, learned: Retargeted, body: SimulatedBody) -> Seen
     return replace(seen, movement=movement, angles=learned.angles, learned=learned)
 
 
-def correspondence_metrics(learned: Retargeted | None, oracle: Retargeted | None, tick_s: float) -> dict[str, Any]:
-    """The learned correspondence and the oracle where inverse kinematics can reach.
+def correspondence_metrics(seen: Seen, tick_s: float) -> dict[str, Any]:
+    """How well limb directions could be met at all, by the oracle and by the learned correspondence where inverse
+    kinematics can reach; zeros when joint angles were given.
 
     unreachable_frames: summed over parts, each of which is in or out of reach by itself.
     correspond_p50_ms: processor time of the whole movement, all limbs, per frame.
     """
+    oracle, learned = seen.oracle, seen.learned
     if oracle is None:
-        return {}
+        return {"retarget_error_deg": 0.0, "retarget_reachable_error_deg": 0.0, "unreachable_share": 0.0}
     reachable = oracle.found.reachable
+    within = oracle.mean_error_deg(reachable)
     metrics = {
-        "ik_limb_direction_error_deg": oracle.mean_error_deg(reachable),
+        "retarget_error_deg": float(oracle.error_deg.mean()),
+        "retarget_reachable_error_deg": within,
+        "unreachable_share": float(1 - reachable.mean()),
+        "retarget_error_deg_by_part": oracle.error_deg_by_part,
+        "ik_limb_direction_error_deg": within,
         "limb_direction_error_deg": (learned or oracle).mean_error_deg(reachable),
         "unreachable_frames": int((~reachable).sum()),
     }

@@ -3,7 +3,6 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -86,15 +85,3 @@ def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tu
     for line in said:
         print(f"imitate: {line}", file=sys.stderr)
     return performance, said
-
-
-def retarget_metrics(oracle: Retargeted | None) -> dict[str, Any]:
-    """How well limb directions could be met at all; zeros when joint angles were given."""
-    if oracle is None:
-        return {"retarget_error_deg": 0.0, "retarget_reachable_error_deg": 0.0, "unreachable_share": 0.0}
-    return {
-        "retarget_error_deg": float(oracle.error_deg.mean()),
-        "retarget_reachable_error_deg": oracle.mean_error_deg(oracle.found.reachable),
-        "unreachable_share": float(1 - oracle.found.reachable.mean()),
-        "retarget_error_deg_by_part": oracle.error_deg_by_part,
-    }

@@ -117,7 +117,7 @@ def test_an_image_survives_its_file_and_belongs_to_one_body(tmp_path: Path) -> N
     assert found.minutes == learned.minutes
     stranger = Creature()
     stranger.fingerprint = "somebody"
-    with pytest.raises(BabblingError, match="another body's image"):
+    with pytest.raises(BabblingError, match="learned by another body"):
         found.check(stranger)
 
 
