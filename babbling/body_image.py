@@ -57,7 +57,7 @@ class PartImage:
         """(N, 3) expected directions and (N, 3, len(along)) derivatives by those factors."""
         values: dict[int, FloatArray] = {-1: self.weights.reshape(1, -1)}
         harmonics = _harmonics(postures[:, self.joints] - self.centre)
-        for joint, (basis, rate) in zip(self.joints.tolist(), harmonics, strict=True):
+        for joint, basis, rate in zip(self.joints.tolist(), *harmonics, strict=True):
             turned = {which: _contracted(value, basis) for which, value in values.items()}
             if joint in along:
                 turned[joint] = _contracted(values[-1], rate)
@@ -175,18 +175,16 @@ def _learned(
     return image, variance * (1 + unknown / AVERAGED)
 
 
-def _harmonics(away: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    """Per joint of (N, n) angles from the middle, (N, 3) harmonics and their derivative."""
-    sine, cosine = np.sin(away), np.cos(away)
-    one = np.ones_like(away)
-    values, rates = np.stack([one, sine, 1 - cosine], -1), np.stack([0 * one, cosine, sine], -1)
-    return [(values[:, j], rates[:, j]) for j in range(away.shape[1])]
+def _harmonics(away: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n, N, 3) harmonics of (N, n) angles from the middle, joint by joint, and their derivatives."""
+    sine, cosine, one = np.sin(away.T), np.cos(away.T), np.ones_like(away.T)
+    return np.stack([one, sine, 1 - cosine], -1), np.stack([0 * one, cosine, sine], -1)
 
 
 def _features(away: FloatArray) -> FloatArray:
     """(N, 3^n) products of harmonics, the first joint's slowest."""
     phi = np.ones((len(away), 1))
-    for basis, _ in _harmonics(away):
+    for basis in _harmonics(away)[0]:
         phi = (phi[:, :, None] * basis[:, None, :]).reshape(len(away), -1)
     return phi
 

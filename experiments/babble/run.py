@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from babbling.files import is_kind
+from babbling.files import is_kind, save
 from babbling.mind import Mind
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
@@ -10,7 +10,7 @@ from experiments.gesture.figures import babbling_curve
 from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, writing
-from experiments.shared.minds import learn_mind, save_learned
+from experiments.shared.minds import body_of, learn_mind, people_say
 from experiments.shared.progress import progress
 from experiments.shared.tables import show, table
 
@@ -32,7 +32,13 @@ def command(config: Config) -> None:
     checkpoint = out.with_name(out.name + ".partial")
     with progress(f"{config.robot} babbles") as report:
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
-    save_learned(learned, out, config, config.babbling_minutes)
+    told: dict[str, str | float] = {
+        "robot": config.robot,
+        "minutes": config.babbling_minutes,
+        "noise_deg": config.sensor_noise_deg,
+    }
+    scramble = -1 if config.scramble is None else config.scramble
+    save(learned.mind, out, people_say(body_of(config, 1)), **told, scramble=scramble)
     checkpoint.unlink(missing_ok=True)
     metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics}
     out.with_suffix(".json").write_text(as_json(metrics))

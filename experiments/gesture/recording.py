@@ -37,14 +37,7 @@ def record(path: Path, done: Performed, summary: str) -> None:
 
 def layout(joints: list[str]) -> rrb.Horizontal:
     """3D left; joint angles, posterior, correction right; summary."""
-    angles = [
-        rrb.TimeSeriesView(
-            name=joint,
-            origin=f"/joints/{joint}",
-            contents=[f"/joints/{joint}/demonstrated", f"/joints/{joint}/imitated", f"/joints/{joint}/replayed"],
-        )
-        for joint in joints[:2]
-    ]
+    angles = [rrb.TimeSeriesView(name=joint, origin=f"/joints/{joint}") for joint in joints[:2]]
     angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
     beliefs = [
         rrb.BarChartView(name=f"P(action) {joints[0]}", origin=f"/belief/{joints[0]}/posterior"),

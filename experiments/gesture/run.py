@@ -1,6 +1,8 @@
 """HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
 
 import sys
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,11 +15,12 @@ from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
-from experiments.shared.mirrors import Pupil, correspondence_metrics, seen_in_mirror, take_image
+from experiments.shared.mirrors import Pupil, correspondence_metrics, take_image
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
+from imitation.acting.movement import Movement
 from imitation.acting.rehearsal import EAGERNESS, best_eagerness
 from imitation.inference.inverse import LinearInverse
 
@@ -38,28 +41,16 @@ def run(config: Config) -> Result:
             image, cost = take_image(config.body_image, config, mind.pilot, config.mirror_minutes, noise_deg, report)
         learned.metrics.update(cost)
         pupil = Pupil(body, mind.pilot, image, noise_deg)
-        seen = seen_in_mirror(seen, pupil.follow(seen.performance, np.random.default_rng([config.seed, 10])), body)
+        found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
+        movement = Movement(seen.movement.name, body.tick_s, body.sensations(found.angles))
+        seen = replace(seen, movement=movement, angles=found.angles, learned=found)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
-    attempts = imitate(
-        body,
-        seen.movement,
-        mind,
-        selection=config.selection,
-        attempts=config.attempts,
-        rng=np.random.default_rng([config.seed, 8]),
-        witness=lambda: body.joint_angles,
-    )
+    perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
+    rng = np.random.default_rng([config.seed, 8])
+    attempts = perform(selection=config.selection, attempts=config.attempts, rng=rng)
     line = LinearInverse(mind.forward_model)
     eagerness = best_eagerness(body_of(config, len(EAGERNESS), stream=1), mind, line, config.seed)
-    peer = imitate(
-        body,
-        seen.movement,
-        mind,
-        inverse=line,
-        eagerness=eagerness,
-        rng=np.random.default_rng([config.seed, 9]),
-        witness=lambda: body.joint_angles,
-    )[0]
+    peer = perform(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
     done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
     metrics = measure(done)
     summary = summarise(metrics, seen)

@@ -74,7 +74,7 @@ def run(config: Config) -> Result:
         assert unseen is not None
         speed = body.images_per_second()
         fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
-    curve = LearningCurve.of(points)
+    curve = LearningCurve(*np.array(points).T)
     glances = tour(mind, config, selection, seed)
     errors, copy = unseen.error(expected(mind, unseen)), unseen.error(expected(mind, unseen, table=False))
     straight = unseen.error(straight_lines(mind, body, unseen, seed))

@@ -1,6 +1,5 @@
 """How good something was: errors, learning curves, calibration, intervals; for those who judge."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,11 +17,6 @@ class LearningCurve:
     """Of the forward model."""
     line: FloatArray
     """Of a line fitted to the same experience."""
-
-    @classmethod
-    def of(cls, points: Sequence[tuple[float, float, float]]) -> "LearningCurve":
-        """From its points, one after the other."""
-        return cls(*np.array(points).T)
 
 
 def rmse_deg(reached: FloatArray, wanted: FloatArray) -> float:

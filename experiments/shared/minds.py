@@ -129,7 +129,7 @@ def learn_mind(
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(body_of(options, len(EAGERNESS), stream=1), mind, options.seed)
     report(1.0)
-    ticks, curve = sum(plan) - done_ticks, LearningCurve.of(held_out.points)
+    ticks, curve = sum(plan) - done_ticks, LearningCurve(*np.array(held_out.points).T)
     metrics = {
         "babbling_transitions": model.transitions,
         "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
@@ -180,19 +180,6 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
             "babbling_efficiency_factor": None,  # nobody babbled
             "babbling_outside": int(model.outside.sum()),
         },
-    )
-
-
-def save_learned(learned: Learned, path: Path, options: BodyOptions, minutes: float) -> None:
-    """Write the mind with what a reader may want to know."""
-    save(
-        learned.mind,
-        path,
-        people_say(body_of(options, 1)),
-        robot=options.robot,
-        minutes=minutes,
-        noise_deg=options.sensor_noise_deg,
-        scramble=-1 if options.scramble is None else options.scramble,
     )
 
 

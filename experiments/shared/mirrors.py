@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,6 @@ from experiments.shared.minds import body_of
 from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, at_ticks
 from experiments.shared.watching import Seen
-from imitation.acting.movement import Movement
 from imitation.correspondence.correspondence import correspond
 from models.body import SimulatedBody
 from models.mirror import Mirror, blurred
@@ -109,12 +108,6 @@ class Pupil:
             raise ExperimentError("babbling did not find every joint's posture sense; babble longer")
         found: FloatArray = postures[:, [labels.index(joint) for joint in self.body.joints]]
         return found
-
-
-def seen_in_mirror(seen: Seen, learned: Retargeted, body: SimulatedBody) -> Seen:
-    """What was watched, with the sub-goals of the learned correspondence in place of the oracle's."""
-    movement = Movement(seen.movement.name, body.tick_s, body.sensations(learned.angles))
-    return replace(seen, movement=movement, angles=learned.angles, learned=learned)
 
 
 def correspondence_metrics(seen: Seen, tick_s: float) -> dict[str, Any]:

@@ -86,19 +86,15 @@ def correspond(
     reachable = np.zeros((count, len(parts)), bool)
     chosen: dict[tuple[str, ...], FloatArray] = {}
     for limb in own_limbs(image.moves):
-        here = [
-            (part, tolerance)
-            for part, tolerance in zip(limb.parts, limb.tolerances, strict=True)
-            if image.parts[part] in steadied
-        ]
+        here = {p: miss for p, miss in zip(limb.parts, limb.tolerances, strict=True) if image.parts[p] in steadied}
         if not here:
             continue
-        names = tuple(image.parts[part] for part, _ in here)
-        view = LimbView(image, limb, [part for part, _ in here], postures, MARGIN)
+        names = tuple(image.parts[part] for part in here)
+        view = LimbView(image, limb, [*here], postures, MARGIN)
         wanted = np.stack([steadied[part].directions for part in names], 1)
         trust = np.stack([np.maximum(steadied[part].trust, LEAST_TRUST) for part in names], 1)
         doubt = np.array([steadied[part].doubt for part in names])
-        precision = 1 / (doubt**2 + np.array([tolerance for _, tolerance in here]) ** 2)
+        precision = 1 / (doubt**2 + np.array([*here.values()]) ** 2)
         weights = trust * precision / precision.max()
         chosen[names] = angles = choose(view, wanted, weights, doubt)
         shown, _ = view.directions(angles, np.arange(count))

@@ -6,9 +6,11 @@ sense in common. Within a limb a part moved by fewer senses lies nearer the tors
 wrong everything beyond it inherits.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from babbling.axes import BoolArray, IntArray
 
@@ -28,36 +30,19 @@ class OwnLimb:
 
 def own_limbs(moves: BoolArray) -> tuple[OwnLimb, ...]:
     """Limbs in the order in which they are decided, from (P, F) which factor moves which part."""
-    sets = [frozenset(np.flatnonzero(row).tolist()) for row in moves]
-    shared = {
-        factor
-        for a in sets
-        for b in sets
-        if not (a <= b or b <= a)
-        for factor in a & b
-    }  # fmt: skip
-    first = [p for p, joints in enumerate(sets) if joints and joints <= shared]
-    limbs = [_limb(group, sets, frozenset()) for group in _groups(first, sets, frozenset())]
-    rest = [p for p, joints in enumerate(sets) if joints - shared]
-    limbs += [_limb(group, sets, frozenset(shared)) for group in _groups(rest, sets, frozenset(shared))]
-    return tuple(limbs)
+    common, size = moves.astype(int) @ moves.T, moves.sum(1)
+    nested = (common == size) | (common == size[:, None])
+    own = moves & ~(moves[:, None] & moves & ~nested[..., None]).any((0, 1))
+    trunk = moves.any(1) & ~own.any(1)
+    return (*_limbs(np.flatnonzero(trunk), moves, size), *_limbs(np.flatnonzero(own.any(1)), own, size))
 
 
-def _groups(parts: list[int], sets: list[frozenset[int]], without: frozenset[int]) -> list[list[int]]:
-    """Parts that have a sense in common, directly or through others."""
-    groups: list[tuple[list[int], set[int]]] = []
-    for part in parts:
-        own = set(sets[part] - without)
-        near = [group for group in groups if group[1] & own]
-        groups = [group for group in groups if not group[1] & own]
-        groups.append(([p for group in near for p in group[0]] + [part], own.union(*(group[1] for group in near))))
-    return [sorted(members) for members, _ in groups]
-
-
-def _limb(group: list[int], sets: list[frozenset[int]], without: frozenset[int]) -> OwnLimb:
-    order = sorted(group, key=lambda part: (len(sets[part]), part))
-    sizes = sorted({len(sets[part]) for part in order})
-    ranks = [min(sizes.index(len(sets[part])), len(TOLERANCE_DEG) - 1) for part in order]
-    tolerances = tuple(float(np.deg2rad(TOLERANCE_DEG[rank])) for rank in ranks)
-    factors = sorted(set().union(*(sets[part] for part in order)) - without)
-    return OwnLimb(tuple(order), tolerances, np.array(factors, np.int64))
+def _limbs(parts: IntArray, decides: BoolArray, size: IntArray) -> Iterator[OwnLimb]:
+    """Of parts that have a sense (P, F) in common, directly or through others; `size` (P,) senses move each in all."""
+    count, label = connected_components(decides[parts] @ decides[parts].T) if len(parts) else (0, parts)
+    for number in range(count):
+        group = parts[label == number]
+        group = group[np.argsort(size[group], kind="stable")]
+        rank = np.unique(size[group], return_inverse=True)[1]
+        tolerances = np.deg2rad(TOLERANCE_DEG)[np.minimum(rank, len(TOLERANCE_DEG) - 1)]
+        yield OwnLimb(tuple(group.tolist()), tuple(tolerances.tolist()), np.flatnonzero(decides[group].any(0)))

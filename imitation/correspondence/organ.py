@@ -23,13 +23,10 @@ FORGIVING = 0.01
 
 
 class Organ(NamedTuple):
-    """part: number of the part identified, -1 for nothing; probability (P + 1,) over parts and nothing, motors (F + 1,)
-    over motors and nothing; amounts (P,) radians turned, NaN where unseen."""
+    """part: number of the part identified, -1 for nothing; probability (P + 1,) over parts and nothing."""
 
     part: int
     probability: FloatArray
-    motors: FloatArray
-    amounts: FloatArray
 
 
 def owners(moves: BoolArray) -> IntArray:
@@ -57,4 +54,4 @@ def identify(organs: Organs, seen: FloatArray, tick_s: float) -> Organ:
     posterior = action_posterior(np.exp(log - log.max()), prior / prior.sum()).probability
     shares = np.array([*(posterior[:-1][owner == part].sum() for part in range(len(organs.parts))), posterior[-1]])
     best = int(shares.argmax())
-    return Organ(best if best < len(organs.parts) else -1, shares, posterior, amounts)
+    return Organ(best if best < len(organs.parts) else -1, shares)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.ndimage import distance_transform_edt
 
 from babbling.axes import BoolArray, FloatArray
 from imitation.errors import ImitationError
@@ -59,7 +60,8 @@ def steady(name: str, seen: FloatArray, visible: BoolArray) -> Steady:
         raise ImitationError(f"{name}: hidden too long, or its direction turned round while it was; show it again")
     noise = float(np.sqrt(variance))
     left = np.mean(1 / (1 + 10.0**best * (2 * np.sin(np.pi * FREQUENCIES)) ** (2 * ORDER)))
-    return Steady(smooth / length, noise, noise * float(np.sqrt(left)), _trust(visible))
+    trust = 1 / (1 + distance_transform_edt(~visible))  # falls off with the frames to the nearest in which it was seen
+    return Steady(smooth / length, noise, noise * float(np.sqrt(left)), trust)
 
 
 def _smooth(y: FloatArray, weight: FloatArray, ratio: float) -> tuple[FloatArray, float, float]:
@@ -91,14 +93,3 @@ def third_gram(count: int) -> FloatArray:
         for second in range(first, ORDER + 1):
             bands[second - first, first : max(count - ORDER, 0) + first] += stencil[first] * stencil[second]
     return bands
-
-
-def _trust(visible: BoolArray) -> FloatArray:
-    """1 where seen, falling off with the distance in frames to the nearest frame in which it was."""
-    frames = np.arange(len(visible))
-    at = frames[visible]
-    right = np.minimum(np.searchsorted(at, frames), len(at) - 1)
-    left = np.maximum(right - 1, 0)
-    away = np.minimum(np.abs(at[left] - frames), np.abs(at[right] - frames))
-    trust: FloatArray = 1.0 / (1.0 + away)
-    return trust

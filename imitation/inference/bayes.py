@@ -7,7 +7,8 @@ name what it does instead.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import mul
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,23 +65,21 @@ def joint_likelihood(likelihoods: Sequence[FloatArray], weights: Sequence[ArrayL
     """prod_k P(s'_k | s_k, a)^w_k: several sub-goals that one action should reach, for Eq. (1).
 
     Args:
-        likelihoods: (..., A) each, of any shapes that broadcast.
+        likelihoods: (..., A) each, at least one, of any shapes that broadcast.
         weights: w_k, (...) each: 1 counts a likelihood as it is, 2 as if it were given twice, 0 leaves it out.
 
     Raises:
         ImitationError: a negative or non-finite weight.
     """
-    joint: FloatArray | None = None
+    powers: list[FloatArray] = []
     for number, (likelihood, given) in enumerate(zip(likelihoods, weights, strict=True)):
         if np.ndim(given) or given != 1:
             weight = np.asarray(given, float)
             if not (weight.min() >= 0 and weight.max() < np.inf):
                 raise ImitationError(f"term {number}: weight {given}; it must be finite and at least 0")
             likelihood = likelihood ** weight[..., None]
-        joint = likelihood if joint is None else joint * likelihood
-    if joint is None:
-        raise ImitationError("no likelihood: Eq. (1) needs at least one forward model and its sub-goal")
-    return joint
+        powers.append(likelihood)
+    return reduce(mul, powers)
 
 
 def goal_posterior(

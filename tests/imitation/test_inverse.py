@@ -10,7 +10,7 @@ from babbling.axes import UNIT, Axis
 from babbling.forward_model import ForwardModel
 from experiments.benchmark.peers import MLPInverse
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior, joint_likelihood
+from imitation.inference.bayes import action_posterior
 from imitation.inference.inverse import BayesianInverse, LinearInverse, Term
 from imitation.inference.ladder import CATEGORIES, MEASURED, Rung, descend
 
@@ -201,8 +201,6 @@ def test_terms_that_do_not_fit_are_refused():
         with pytest.raises(ImitationError, match=told) as refused:
             inverse.choose(terms, rng)
         assert "\n" not in str(refused.value)
-    with pytest.raises(ImitationError, match="at least one forward model"):
-        joint_likelihood([], [])
 
 
 def test_peers_answer_one_term_and_refuse_several():
