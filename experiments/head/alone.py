@@ -30,9 +30,7 @@ def nobody(config: Config, looked: Search) -> Result:
         "face_found": False,
         "search_s_simulated": looked.seconds,
         "search_looks": len(looked.pans),
-        "head_estimate_rmse_deg": None,
-        "head_raw_estimate_rmse_deg": None,
-        "head_reproduced_rmse_deg": None,
+        **dict.fromkeys(("head_estimate_rmse_deg", "head_raw_estimate_rmse_deg", "head_reproduced_rmse_deg")),
     }
     return Result(metrics, summary, record=lambda path: record_search(path, looked, summary))
 

@@ -9,6 +9,7 @@ from experiments.saccades.trials import Fixated, Predicted
 from experiments.shared.figures import learning_curve
 from experiments.shared.judging import LearningCurve
 from experiments.shared.palette import OURS, THEIRS
+from experiments.shared.views import AXES
 
 
 def figures(
@@ -81,27 +82,23 @@ def forward_model(mind: LookingMind) -> Figure:
     axes = figure.subplots(2, 2)
     u, v = np.meshgrid(np.linspace(-0.85, 0.85, 9) * half[0], np.linspace(-0.85, 0.85, 7) * half[1])
     things = np.stack([u.ravel(), v.ravel()] * 2, axis=-1)
-    for row, (motor, name) in enumerate((("0", "pan"), ("1", "tilt"))):
+    for row, name in enumerate(AXES):
         change = np.zeros((len(things), 2))
         change[:, row] = np.deg2rad((10.0, 8.0)[row])
         posture = np.zeros((len(things), 2))
         posture[:, 1 - row] = 0.3 if row == 0 else 0.0
         whole = mind.expect(things, posture, change)[:, :2] - things[:, :2]
         copy = mind.expect(things, posture, change, table=False)[:, :2] - things[:, :2]
-        for column, (field, scale, title) in enumerate(
-            ((whole, 1.0, "displacement"), (whole - copy, None, "the table's share"))
+        where = f"motor {row} ({name}) by {np.rad2deg(change[0, row]):.0f} deg"
+        where += f", tilt at {np.rad2deg(0.3):.0f} deg" if row == 0 else ""
+        note = f"the table's share (x 50, at most {np.hypot(*(whole - copy).T).max():.2f} px)"
+        for shown, field, scale, ink, title in (
+            (axes[row, 0], whole, 1.0, "k", "displacement"),
+            (axes[row, 1], whole - copy, 0.02, OURS, note),
         ):
-            shown = axes[row, column]
-            size = float(np.hypot(*field.T).max())
-            factor = 1.0 if scale else 0.02
-            shown.quiver(
-                *things[:, :2].T, *field.T, angles="xy", scale_units="xy", scale=factor, width=0.003,
-                color="k" if column == 0 else OURS,
-            )  # fmt: skip
-            where = f"motor {motor} ({name}) by {np.rad2deg(change[0, row]):.0f} deg"
-            where += f", tilt at {np.rad2deg(0.3):.0f} deg" if row == 0 else ""
-            note = "" if column == 0 else f" (x 50, at most {size:.2f} px)"
-            shown.set(title=f"{where}: {title}{note}", xlabel="u [px]", ylabel="v [px]", aspect="equal")
-            shown.title.set_fontsize(10)
+            places = things[:, :2].T
+            shown.quiver(*places, *field.T, angles="xy", scale_units="xy", scale=scale, width=0.003, color=ink)
+            shown.set(xlabel="u [px]", ylabel="v [px]", aspect="equal")
+            shown.set_title(f"{where}: {title}", fontsize=10)
             shown.set(xlim=(-1.15 * half[0], 1.15 * half[0]), ylim=(1.15 * half[1], -1.15 * half[1]))
     return figure

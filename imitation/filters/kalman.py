@@ -61,7 +61,7 @@ def predict(system: System, belief: Belief, push: FloatArray | None = None) -> B
     mean = _apply(system.transition, belief.mean)
     if push is not None:
         mean = mean + push
-    covariance = system.transition @ belief.covariance @ _transpose(system.transition) + system.process_noise
+    covariance = system.transition @ belief.covariance @ system.transition.mT + system.process_noise
     return Belief(mean, covariance)
 
 
@@ -84,7 +84,7 @@ def update(
     sensor = np.where(there[..., :, None], system.observation, 0.0)
     expected = _apply(system.observation, belief.mean)
     innovation = np.where(there, np.where(there, measured, 0.0) - expected, 0.0)
-    cross = belief.covariance @ _transpose(sensor)
+    cross = belief.covariance @ sensor.mT
     spread = sensor @ cross + np.where(pattern, system.observation_noise, np.eye(measured.shape[-1]))
     try:
         np.linalg.cholesky(spread)
@@ -93,10 +93,10 @@ def update(
             "the innovation covariance is not positive definite; observation_noise needs a positive variance for "
             "every number that the state alone fixes"
         ) from None
-    gain = _transpose(np.asarray(np.linalg.solve(spread, _transpose(cross)), float))
+    gain = np.asarray(np.linalg.solve(spread, cross.mT), float).mT
     rest = np.eye(belief.mean.shape[-1]) - gain @ sensor
-    noise = gain @ np.where(pattern, system.observation_noise, 0.0) @ _transpose(gain)
-    covariance = rest @ belief.covariance @ _transpose(rest) + noise
+    noise = gain @ np.where(pattern, system.observation_noise, 0.0) @ gain.mT
+    covariance = rest @ belief.covariance @ rest.mT + noise
     return Belief(belief.mean + _apply(gain, innovation), covariance), gain
 
 
@@ -108,15 +108,11 @@ def smooth(system: System, filtered: Belief, predicted: Belief) -> Belief:
     mean, covariance = filtered.mean.copy(), filtered.covariance.copy()
     for step in range(len(mean) - 2, -1, -1):
         ahead = predicted.covariance[step + 1]
-        back = _transpose(np.linalg.solve(ahead, system.transition @ covariance[step]))
+        back = np.linalg.solve(ahead, system.transition @ covariance[step]).mT
         mean[step] += _apply(back, mean[step + 1] - predicted.mean[step + 1])
-        covariance[step] += back @ (covariance[step + 1] - ahead) @ _transpose(back)
+        covariance[step] += back @ (covariance[step + 1] - ahead) @ back.mT
     return Belief(mean, covariance)
 
 
 def _apply(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     return np.asarray((matrix @ vector[..., None])[..., 0])
-
-
-def _transpose(matrix: FloatArray) -> FloatArray:
-    return np.swapaxes(matrix, -1, -2)

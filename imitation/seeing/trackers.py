@@ -37,7 +37,7 @@ def by_filter(found: FloatArray, options: TrackOptions, rng: np.random.Generator
 
     What has been unseen for `options.forget_s` is given up, and taken up anew like the first time.
     """
-    numbers, place, spread = _nothing(found)
+    numbers, place, spread = _unfiltered(np.full((len(found), 3), np.nan))
     track: Track | None = None
     for t, (frame, only) in enumerate(zip(found, alone(found), strict=True)):
         here = frame[np.isfinite(frame[:, 0])]
@@ -56,29 +56,27 @@ def by_filter(found: FloatArray, options: TrackOptions, rng: np.random.Generator
 
 def undoubted(found: FloatArray, options: TrackOptions, rng: np.random.Generator) -> Followed:
     """No filter: each frame by itself, and nothing where there are several."""
-    numbers = alone(found)
-    return Followed(numbers, numbers[:, :2], _nothing(found)[2])
+    return _unfiltered(alone(found))
 
 
 def largest(found: FloatArray, options: TrackOptions, rng: np.random.Generator) -> Followed:
     """The largest one, whatever else there is."""
-    numbers = np.where(np.isnan(found[:, 0, :1]), np.nan, found[:, 0])
-    return Followed(numbers, numbers[:, :2], _nothing(found)[2])
+    return _unfiltered(np.where(np.isnan(found[:, 0, :1]), np.nan, found[:, 0]))
 
 
 def nearest(found: FloatArray, options: TrackOptions, rng: np.random.Generator) -> Followed:
     """The one nearest to where the thing was last, from the first frame with one candidate only."""
-    numbers, place, spread = _nothing(found)
+    followed = _unfiltered(np.full((len(found), 3), np.nan))
     last = np.full(2, np.nan)
-    for t, (frame, only) in enumerate(zip(found, alone(found), strict=True)):
+    for numbers, place, frame, only in zip(followed.numbers, followed.place, found, alone(found), strict=True):
         here = frame[np.isfinite(frame[:, 0])]
         if np.isnan(last[0]):
-            numbers[t] = only
+            numbers[:] = only
         elif len(here):
-            numbers[t] = here[np.linalg.norm(here[:, :2] - last, axis=1).argmin()]
-        last = np.where(np.isnan(numbers[t, :2]), last, numbers[t, :2])
-        place[t] = last
-    return Followed(numbers, place, spread)
+            numbers[:] = here[np.linalg.norm(here[:, :2] - last, axis=1).argmin()]
+        last = np.where(np.isnan(numbers[:2]), last, numbers[:2])
+        place[:] = last
+    return followed
 
 
 TRACKERS: dict[str, Tracker] = {
@@ -90,5 +88,5 @@ TRACKERS: dict[str, Tracker] = {
 }
 
 
-def _nothing(found: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return tuple(np.full((len(found), *shape), np.nan) for shape in ((3,), (2,), ()))  # type: ignore[return-value]
+def _unfiltered(numbers: FloatArray) -> Followed:
+    return Followed(numbers, numbers[:, :2].copy(), np.full(len(numbers), np.nan))
