@@ -19,7 +19,7 @@ from babbling.forward_model import ForwardModel
 from babbling.grids import located
 from babbling.states import StateMap
 from imitation.errors import ImitationError
-from imitation.inference.ladder import CATEGORIES, Rung, descend
+from imitation.inference.inverse import CATEGORIES, Rung, descend
 from imitation.inference.selection import selection_rule
 
 

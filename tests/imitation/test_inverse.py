@@ -11,8 +11,7 @@ from babbling.forward_model import ForwardModel
 from experiments.benchmark.peers import MLPInverse
 from imitation.errors import ImitationError
 from imitation.inference.bayes import action_posterior
-from imitation.inference.inverse import BayesianInverse, LinearInverse, Term
-from imitation.inference.ladder import CATEGORIES, MEASURED, Rung, descend
+from imitation.inference.inverse import CATEGORIES, MEASURED, BayesianInverse, LinearInverse, Rung, Term, descend
 
 LOW = np.array([-1.0, -2.0])
 
