@@ -35,8 +35,8 @@ from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
-from experiments.shared.caregiver import opposite
-from experiments.shared.eyes import EyeOptions, nursery
+from experiments.shared.caregiver import FIND_FACE
+from experiments.shared.eyes import EyeOptions, nursery, open_eyes
 from experiments.shared.minds import Interrupted
 from imitation.deferred import HeadMemory, StepMemory
 from imitation.episodes import Episode
@@ -175,7 +175,7 @@ BODIES: dict[str, Callable[[], Body]] = {
     "scrambled": partial(load_body, "hoap2", copies=2, threads=1, noise=NOISE, scramble=1),
     **{f"head of {name}": partial(watching_body, name, copies=2) for name, one in ROBOTS.items() if one.head},
     "among toys": partial(nursery, EYES, 0, copies=2),
-    "before a face": partial(opposite, EYES, 2, 0, distance=0.5, tick_s=0.2),
+    "before a face": partial(open_eyes, EYES, FIND_FACE, copies=2, tick_s=0.2, seed=0, teacher=True, distance=0.5),
     "maze": partial(MazeBody, parse_maze(HALL), copies=2),
     "creature": partial(Creature, copies=2),
 }
