@@ -97,7 +97,7 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     """What takes long only to be good for a robot of 25 joints, made short."""
     replace(experiments.shared.minds, "COPIES", 8)
     replace(experiments.shared.minds, "BARE_TICKS", 10)
-    replace(babbling.loop, "BOUT_TICKS", 150)
+    replace(babbling.loop.bouts, "__defaults__", (150,))
     replace(imitation.acting.movement, "APPROACH_S", 1.0)
     replace(imitation.acting.rehearsal, "MOVEMENTS", 1)
     replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from babbling.axes import FloatArray
 from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
 from babbling.mind import Mind
 from experiments.benchmark import maze as maze_benchmark
@@ -41,15 +40,15 @@ def run(config: Config) -> Result:
     errors: dict[str, dict[str, float]] = {}
     metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics}
     with progress("imitating") as report:
-        gains: dict[str, FloatArray] = {}
+        gains = {
+            peer: mind.temper.eagerness
+            if isinstance(inverse, BayesianInverse)
+            else best_eagerness(body_of(config, len(EAGERNESS), stream=1), mind, inverse, config.seed)
+            for peer, inverse in peers.items()
+        }
         for done, (name, one) in enumerate(seen.items()):
             row = {"direct replay": rmse_deg(direct_replay(body, one.angles), one.angles)}
             for peer, inverse in peers.items():
-                if peer not in gains:
-                    bayesian, stage = isinstance(inverse, BayesianInverse), body_of(config, len(EAGERNESS), stream=1)
-                    gains[peer] = (
-                        mind.temper.eagerness if bayesian else best_eagerness(stage, mind, inverse, config.seed)
-                    )
                 attempts = imitate(
                     body,
                     one.movement,
@@ -65,10 +64,7 @@ def run(config: Config) -> Result:
                     row[f"Bayesian, mean, attempt {len(attempts)}"] = rmse_deg(attempts[-1].truth[:, 0], one.angles)
                 if peer == "Bayesian, mean":
                     select = 1e3 * np.concatenate([a.select_s for a in attempts])
-                    metrics["select_p50_ms"], metrics["select_p99_ms"] = (
-                        float(np.median(select)),
-                        float(np.quantile(select, 0.99)),
-                    )
+                    metrics["select_p50_ms"], metrics["select_p99_ms"] = np.quantile(select, (0.5, 0.99))
             fed_forward = replay_commands(body, one.angles, partial(feedforward_angles, body))
             row["true inverse dynamics"] = rmse_deg(fed_forward, one.angles)
             errors[name] = row
@@ -76,14 +72,13 @@ def run(config: Config) -> Result:
     metrics["rmse_deg"] = errors
     metrics["babbling_efficiency_factor"] = efficiency(config, mind)
     floor = None
-    if config.floor > 0 and learned.curve is not None:
+    assert learned.curve is not None  # it has babbled
+    if config.floor > 0:
         floor = curve_floor(config, mind, config.babbling_minutes * config.floor)
         metrics["learning_curve_floor_body_minutes"], metrics["learning_curve_floor_deg"] = floor
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
-    figures = {"peers": bars(errors)}
-    if learned.curve is not None:
-        figures["learning_curve"] = babbling_curve(learned.curve, floor)
+    figures = {"peers": bars(errors), "learning_curve": babbling_curve(learned.curve, floor)}
     return Result(metrics, summarise(errors, metrics, learned.curve, maze), figures)
 
 
@@ -130,20 +125,16 @@ def curve_floor(options: BodyOptions, mind: Mind, minutes: float) -> tuple[float
 
 
 def summarise(
-    errors: dict[str, dict[str, float]],
-    metrics: dict[str, Any],
-    curve: LearningCurve | None,
-    maze: list[maze_benchmark.Row],
+    errors: dict[str, dict[str, float]], metrics: dict[str, Any], curve: LearningCurve, maze: list[maze_benchmark.Row]
 ) -> str:
     """Peers, degrees; then the costs; then the maze's questions: three markdown tables."""
     peers = list(next(iter(errors.values())))
+    end = f"{curve.table[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
     costs = [
         ("babbling against bare stepping of the same bodies", f"{metrics['babbling_efficiency_factor']:.2f}"),
         ("one selection for all joints", f"{metrics['select_p50_ms']:.2f} ms"),
+        ("held-out prediction error", f"{end} (line {curve.line[-1]:.4f})"),
     ]
-    if curve is not None:
-        end = f"{curve.table[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
-        costs.append(("held-out prediction error", f"{end} (line {curve.line[-1]:.4f})"))
     if "learning_curve_floor_deg" in metrics:
         what = f"the same after {metrics['learning_curve_floor_body_minutes']:.0f} body-minutes"
         costs.append((what, f"{metrics['learning_curve_floor_deg']:.4f} deg"))

@@ -44,9 +44,8 @@ def teachers(done: Studied) -> Figure:
     figure = Figure(figsize=(10, 0.55 * len(names) + 2.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     place = np.arange(len(names))
-    oracle = np.array([row.error_deg(row.oracle) for row in done.rows.values()])
-    clean = np.array([row.error_deg(row.clean) for row in done.rows.values()])
-    noisy = np.array([row.error_deg(row.noisy) for row in done.rows.values()])
+    errors = [[row.error_deg(who) for who in (row.oracle, row.clean, row.noisy)] for row in done.rows.values()]
+    oracle, clean, noisy = np.array(errors).T
     left.barh(place - 0.2, oracle, 0.38, color=PLAIN, label="inverse kinematics")
     left.barh(place + 0.2, clean, 0.38, color=THEIRS, label="learned, clean eyes")
     left.plot(oracle + 0.3, place, "|", color="black", ms=16, label="oracle + 0.3 deg")

@@ -1,12 +1,15 @@
 """HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
 
 import sys
+import time
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from babbling.body_image import BodyImage
+from babbling.files import load
 from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
@@ -15,7 +18,7 @@ from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
-from experiments.shared.mirrors import Pupil, correspondence_metrics, take_image
+from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
@@ -38,8 +41,14 @@ def run(config: Config) -> Result:
     mind = learned.mind
     if config.correspondence == "learned" and seen.performance is not None:
         with progress(f"{config.robot} looks into a mirror") as report:
-            image, cost = take_image(config.body_image, config, mind.pilot, config.mirror_minutes, noise_deg, report)
-        learned.metrics.update(cost)
+            started = time.perf_counter()
+            if config.body_image is not None:
+                image = load(config.body_image, BodyImage)
+                image.check(body)
+            else:
+                mirrored = look_into_mirror(config, mind.pilot, config.mirror_minutes, noise_deg, report)
+                image = image_of(mirrored, config, mind.pilot)
+        learned.metrics.update(mirror_body_minutes=image.minutes, mirror_wall_s=time.perf_counter() - started)
         pupil = Pupil(body, mind.pilot, image, noise_deg)
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
         movement = Movement(seen.movement.name, body.tick_s, body.sensations(found.angles))
@@ -78,7 +87,7 @@ def measure(done: Performed) -> dict[str, Any]:
         "direct_replay_rmse_deg": rmse_deg(done.replayed, seen.angles),
         "linear_peer_rmse_deg": rmse_deg(done.peer.truth[:, 0], seen.angles),
         "uninformed_selections": int(last.uninformed.sum()),
-        "selections": last.selections,
+        "selections": last.uninformed.size,
         "never_tried_share": float(np.mean(last.familiarity < 1)),
         "mean_entropy_bits": float(last.entropy.mean()),
         "select_p50_ms": float(np.median(select_ms)),

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from babbling.axes import FloatArray
 from babbling.files import load, save
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
@@ -73,16 +72,14 @@ class HeldOut:
         before, motors, after = flat(*experience(body, found, options.seed + 7919, 0, 100))
         seen = found.transitions(before, motors, after)
         self.rate, self.action, self.outcome = seen.context[0], seen.action, seen.outcome
-        self.points: list[tuple[float, float, float]] = []
+        self.points: list[tuple[float, ...]] = []
 
     def note(self, minutes: float, model: ForwardModel) -> None:
         """Add a point for the forward model as it is now."""
         table = model.expected((self.rate,), self.action)
         line = model.linear().predict(self.rate, self.action)[..., 0]
-        self.points.append((minutes, self._error(table), self._error(line)))
-
-    def _error(self, predicted: FloatArray) -> float:
-        return float(np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))))
+        errors = [np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))) for predicted in (table, line)]
+        self.points.append((minutes, *map(float, errors)))
 
 
 def learn_mind(
@@ -109,7 +106,6 @@ def learn_mind(
         found = pilot(body, options.seed)
     piloted = time.perf_counter() - started
     held_out = HeldOut(options, found)
-    done_ticks = sum(plan[:first])
     spent = 0.0
     clock = time.perf_counter()
 
@@ -129,7 +125,7 @@ def learn_mind(
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(body_of(options, len(EAGERNESS), stream=1), mind, options.seed)
     report(1.0)
-    ticks, curve = sum(plan) - done_ticks, LearningCurve(*np.array(held_out.points).T)
+    ticks, curve = sum(plan[first:]), LearningCurve(*np.array(held_out.points).T)
     metrics = {
         "babbling_transitions": model.transitions,
         "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
@@ -137,10 +133,8 @@ def learn_mind(
         "babbling_wall_s": spent,
         "pilot_wall_s": piloted,
         "babbling_outside": int(model.outside.sum()),
-        "babbling_efficiency_factor": (ticks / spent) / bare_rate(body, found, np.random.default_rng([options.seed, 6]))
-        if spent > 0
-        else 1.0,
-        "steps_per_second_factor": ticks * COPIES * body.substeps / spent if spent > 0 else 0.0,
+        "babbling_efficiency_factor": ticks / spent / bare_rate(body, found, np.random.default_rng([options.seed, 6])),
+        "steps_per_second_factor": ticks * COPIES * body.substeps / spent,
         "learning_curve_body_minutes": curve.minutes,
         "learning_curve_table_deg": curve.table,
         "learning_curve_linear_deg": curve.line,

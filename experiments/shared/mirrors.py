@@ -1,16 +1,13 @@
 """In front of the mirror, and then in front of a teacher: a learned correspondence, and how far off it is."""
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import BodyImage, learn_image
-from babbling.files import load
 from babbling.mirroring import MirrorExperience, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
@@ -48,24 +45,6 @@ def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -
     organs = find_organs(experience)
     low, high = body.sense_low[lines], body.sense_high[lines]
     return learn_image(experience, organs, low, high, rest, options.seed, body.fingerprint)
-
-
-def take_image(
-    path: Path | None,
-    options: BodyOptions,
-    pilot: Pilot,
-    minutes: float,
-    noise_deg: float,
-    report: Callable[[float], None],
-) -> tuple[BodyImage, dict[str, Any]]:
-    """A body image from a file, or learned now; and what it cost."""
-    if path is not None:
-        image = load(path, BodyImage)
-        image.check(body_of(options, 1))
-        return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": 0.0}
-    started = time.perf_counter()
-    image = image_of(look_into_mirror(options, pilot, minutes, noise_deg, report), options, pilot)
-    return image, {"mirror_body_minutes": image.minutes, "mirror_wall_s": time.perf_counter() - started}
 
 
 @dataclass(frozen=True, eq=False)

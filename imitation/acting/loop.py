@@ -78,11 +78,6 @@ class Attempt(Info):
     ended_tick: int
     """Tick of the movement that was not done any more: T, or negative where it ended while approaching."""
 
-    @property
-    def selections(self) -> int:
-        """Selections in all."""
-        return self.uninformed.size
-
 
 class Imitator:
     """One movement, to be driven step by step: by `imitate`, by a notebook, by a real robot's own loop.

@@ -35,7 +35,7 @@ def test_the_arm_does_what_it_saw(arm, arm_mind, wave):
     assert min(errors) < 0.5 * errors[0] or min(errors) < 0.01
     assert errors[-1] < 1.5 * min(errors)
     first = attempts[0]
-    assert first.selections == 100 * 3 and not first.uninformed.any()
+    assert first.uninformed.size == 100 * 3 and not first.uninformed.any()
     np.testing.assert_allclose(first.posterior.sum(-1), 1, atol=1e-5)
     assert (first.entropy >= 0).all() and (first.evidence > 0).all()
     # what it believes of its posture is where it is

@@ -237,7 +237,7 @@ def test_an_early_end_is_a_result_and_later_attempts_go_on(arm, arm_mind, moveme
         )
 
     whole, (fell, early, last) = attempts(), attempts(ended=stopping([LEAD + 40, 10]))
-    assert fell.ended == "fell, attempt 1" and fell.ended_tick == 40 and fell.selections == 120
+    assert fell.ended == "fell, attempt 1" and fell.ended_tick == 40 and fell.uninformed.size == 120
     assert early.ended == "fell, attempt 2" and early.ended_tick == 10 - LEAD
     assert last.ended is None and last.ended_tick == 100
     for attempt, lasted in ((fell, 40), (early, 0), (last, 100)):
