@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from models.biclops.room import Ball, hang_balls, seat_teacher
+from models.loading import compiled, hung
 from models.retina import camera_id
 from models.robots import ROBOTS, head_of
 
@@ -30,9 +31,11 @@ def stage(robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Se
     facts = head_of(robot)
     origin = np.array(facts.table)
     moved = [replace(ball, position=tuple((np.array(ball.position) + origin).tolist())) for ball in balls]
-    scene = mujoco.MjSpec.from_file(str(facts.room or ROBOTS[robot].path))
     if facts.room is None:
+        scene = hung(ROBOTS[robot])
         _surround(scene, origin)
+    else:
+        scene = mujoco.MjSpec.from_file(str(facts.room))
     if teacher:
         seat_teacher(scene, scene.site("opposite"), distance)
     hang_balls(scene, moved)
@@ -48,7 +51,7 @@ def stage(robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Se
 @lru_cache(maxsize=len(ROBOTS))
 def camera_facts(robot: str) -> tuple[float, float]:
     """Vertical field of view, degrees, and half the distance between the eyes, m."""
-    model = mujoco.MjModel.from_xml_path(str(ROBOTS[robot].path))
+    model = compiled(ROBOTS[robot])
     left, right = (camera_id(model, eye) for eye in head_of(robot).eyes)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

@@ -39,7 +39,7 @@ def load_body(
     """
     text = str(name_or_path)
     robot = find(text) or Robot(Path(text), text)
-    model = compiled(robot.path)
+    model = compiled(robot)
     servos(model, text)
     return SimulatedBody(
         model,
@@ -54,26 +54,42 @@ def load_body(
     )
 
 
-def compiled(path: Path) -> mujoco.MjModel:
-    """The compiled model of an MJCF file, hung by its root and without contacts.
+def hung(robot: Robot) -> mujoco.MjSpec:
+    """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching nothing."""
+    spec = mujoco.MjSpec.from_file(str(robot.path))
+    free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    if free:
+        model = spec.compile()
+        first = {int(model.jnt_qposadr[joint.id]) for joint in free}
+        kept = [i for i in range(model.nq) if first.isdisjoint(range(i - 6, i + 1))]
+        for key in spec.keys:
+            key.qpos, key.qvel = np.array(key.qpos)[kept], []
+    for joint in free:
+        if robot.hangs_at is not None:
+            joint.parent.pos = (0, 0, robot.hangs_at)
+        spec.delete(joint)
+    if robot.hangs_at is not None:
+        top, look = robot.hangs_at + 0.09, {"group": 2, "contype": 0, "conaffinity": 0, "rgba": (0.35, 0.36, 0.38, 1)}
+        stand, kind = spec.worldbody.add_body(name="stand", pos=(-0.22, 0, 0)), mujoco.mjtGeom
+        stand.add_geom(name="stand_foot", type=kind.mjGEOM_CYLINDER, size=(0.12, 0.008, 0), pos=(0, 0, 0.008), **look)
+        for name, size, line in (("pole", 0.012, (0, 0, 0, 0, 0, top)), ("arm", 0.01, (0, 0, top, 0.09, 0, top))):
+            stand.add_geom(name=f"stand_{name}", type=kind.mjGEOM_CAPSULE, size=(size, 0, 0), fromto=line, **look)
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return spec
+
+
+def compiled(robot: Robot) -> mujoco.MjModel:
+    """The compiled model of a robot where it babbles; see `hung`.
 
     Raises:
         BodyError: see `load_body`.
     """
-    checked(path)
+    checked(robot.path)
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
-        if free:
-            for joint in free:
-                spec.delete(joint)
-            for key in list(spec.keys):  # their qpos has the free joint in it
-                spec.delete(key)
-        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-        return spec.compile()
+        return hung(robot).compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
-        raise BodyError(f"{path}: MuJoCo cannot compile it ({reason})") from error
+        raise BodyError(f"{robot.path}: MuJoCo cannot compile it ({reason})") from error
 
 
 def servos(model: mujoco.MjModel, name: str) -> None:

@@ -11,9 +11,8 @@ import numpy as np
 from models import biclops, hoap2
 from models.biclops.facts import CAMERA_HEIGHT, MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S, PAN_HEIGHT
 from models.errors import BodyError, unknown
-from models.hoap2.facts import WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
+from models.hoap2.facts import TORSO_HEIGHT, WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
 from models.hoap2.limbs import SEGMENTS, Segment
-from models.hoap2.make_stand import TORSO_HEIGHT
 from models.wear import Wear
 
 EYE_HEIGHT = PAN_HEIGHT + CAMERA_HEIGHT
@@ -47,8 +46,10 @@ class Robot:
     """A body one can ask for by name."""
 
     path: Path
-    """MJCF of the robot where it babbles; it rests at the keyframe `home`, if there is one."""
+    """MJCF; a robot that stands free in it is hung by its root. It rests at the keyframe `home`, if there is one."""
     about: str
+    hangs_at: float | None = None
+    """Height of its root on a stand, m; None leaves the root where its file has it."""
     wear: Wear = Wear()  # noqa: RUF009  (frozen)
     sensors: tuple[str, ...] = ()
     """<sensor> elements of its MJCF that it feels, besides its joints."""
@@ -61,8 +62,9 @@ class Robot:
 
 
 _HOAP2 = Robot(
-    hoap2.STAND,
+    hoap2.SCENE,
     "HOAP-2 hung by its torso on a stand, 25 joints",
+    hangs_at=TORSO_HEIGHT,
     head=Head(  # eyes at waist + neck + tilt axis - 5 mm; speed as in its MJCF; acceleration: .2 s to top speed
         motors=("head_joint_1", "head_joint_2"),
         max_speed=(4.0, 4.0),

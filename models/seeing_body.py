@@ -19,6 +19,7 @@ from models.biclops.profile import profile
 from models.biclops.room import TEACHER
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.loading import compiled
 from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
 from models.robots import ROBOTS, head_of
@@ -229,5 +230,5 @@ def head_fingerprint(robot: str) -> str:
 
 def watching_body(robot: str, *, copies: int = 1) -> SimulatedBody:
     """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
-    model = mujoco.MjModel.from_xml_path(str(ROBOTS[robot].path))
-    return SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=head_of(robot).motors)
+    motors, model = head_of(robot).motors, compiled(ROBOTS[robot])
+    return SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=motors)

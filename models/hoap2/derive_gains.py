@@ -9,8 +9,8 @@ The diagonal, and not the inverse of the inverse's diagonal, because the other j
 do not swing freely. w (rad/s) follows from the bandwidth b, the frequency at which an isolated joint's answer to its
 command has fallen by 3 dB:   b = w / 2 pi * sqrt(1 - 2 zeta^2 + sqrt((1 - 2 zeta^2)^2 + 1)).
 
-    python -m models.hoap2.derive_gains           # the table; exit 1 if hoap2.xml or stand.xml says something else
-    python -m models.hoap2.derive_gains --write   # writes the gains into hoap2.xml, and stand.xml after it
+    python -m models.hoap2.derive_gains           # the table; exit 1 if hoap2.xml says something else
+    python -m models.hoap2.derive_gains --write   # writes the gains into hoap2.xml
 """
 
 import re
@@ -21,9 +21,8 @@ import mujoco
 import numpy as np
 
 from models.errors import BodyError
-from models.hoap2 import ROBOT, STAND
+from models.hoap2 import ROBOT
 from models.hoap2.facts import DAMPING, HOME_DEG, JOINTS, joint_class
-from models.hoap2.make_stand import stand_xml
 
 BANDWIDTH_HZ: Final = 8.0
 """-3 dB, within the 7 to 15 Hz of small servos; README.md argues for it."""
@@ -75,20 +74,18 @@ def with_gains(robot: str, gains: dict[str, Gains]) -> str:
 
 
 def main() -> int:
-    """Print the table; compare or write; the exit status says whether the files on disk are up to date."""
+    """Print the table; compare or write; the exit status says whether the file on disk is up to date."""
     gains = derive(mujoco.MjModel.from_xml_path(str(ROBOT)))
     hz = natural_frequency_hz()
     print(f"-3 dB at {BANDWIDTH_HZ:g} Hz, damping ratio {DAMPING_RATIO:g}: natural frequency {hz:.2f} Hz")
     for joint, gain in gains.items():
         print(f"{joint:18} I {gain.inertia:.5f} kg m2   kp {gain.kp:8g} N m/rad   kv {gain.kv:8g} N m s/rad")
-    robot = with_gains(ROBOT.read_text(), gains)
-    texts = {ROBOT: robot, STAND: stand_xml(robot)}
+    text = with_gains(ROBOT.read_text(), gains)
     if "--write" in sys.argv[1:]:
-        for path, text in texts.items():
-            path.write_text(text)
-    stale = [path.name for path, text in texts.items() if path.read_text() != text]
-    print(f"{' and '.join(stale)}: not what this derives, run with --write" if stale else "both files are up to date")
-    return 1 if stale else 0
+        ROBOT.write_text(text)
+    current = ROBOT.read_text() == text
+    print(f"{ROBOT.name} is {'up to date' if current else 'not what this derives: run with --write'}")
+    return 0 if current else 1
 
 
 if __name__ == "__main__":

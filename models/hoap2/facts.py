@@ -104,6 +104,9 @@ HEIGHT_CROUCHED: Final = 0.479
 SOLE_BELOW_ANKLE: Final = 0.0355
 """m, ankle axes above the floor a flat foot stands on."""
 
+TORSO_HEIGHT: Final = 0.45
+"""m, waist axis above the floor where it hangs on its stand and babbles, out of reach of everything."""
+
 HOME_DEG: Final = MappingProxyType(
     {
         joint: angle

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.hoap2 import STAND
 from models.loading import compiled, load_body, servos
+from models.robots import ROBOTS, Robot
 from models.wear import Wear
 from models.wiring import Wiring
 
@@ -83,7 +83,7 @@ def test_hoap2_reads_whole_pulses() -> None:
 
 
 def worn(arm: Path, backlash: float) -> SimulatedBody:
-    model = compiled(arm)
+    model = compiled(Robot(arm, "arm"))
     servos(model, "arm")
     return SimulatedBody(model, name="arm", wear=Wear(backlash=backlash))
 
@@ -217,7 +217,7 @@ def test_straight_wiring_is_the_default(arm: Path) -> None:
 
 
 def test_a_body_of_some_motors_is_the_whole_whose_rest_holds_still() -> None:
-    model, some = mujoco.MjModel.from_xml_path(str(STAND)), ("head_joint_2", "left_arm_joint_1")
+    model, some = compiled(ROBOTS["hoap2"]), ("head_joint_2", "left_arm_joint_1")
     whole, part = (SimulatedBody(model, name="h", copies=2, motors=motors) for motors in ((), some))
     columns = [whole.joints.index(joint) for joint in some]
     command, rng = whole.command_angles(whole.joint_angles), np.random.default_rng(0)

@@ -10,16 +10,25 @@ import pinocchio as pin
 import pytest
 
 from models.errors import BodyError
-from models.hoap2 import ROBOT, SCENE, STAND, derive_gains, facts, make_stand
+from models.hoap2 import ROBOT, SCENE, derive_gains, facts
+from models.loading import hung
+from models.robots import ROBOTS
 
 GRAVITY = 9.81
 MIRROR = np.diag([1.0, -1.0, 1.0])
 LOADS = [f"{side}_sole_{end}_{edge}" for side in facts.SIDES for end in ("front", "rear") for edge in facts.SIDES]
 
 
+STAND = Path("stand")  # where it hangs and babbles
+
+
+def spec_of(path: Path) -> mujoco.MjSpec:
+    return hung(ROBOTS["hoap2"]) if path == STAND else mujoco.MjSpec.from_file(str(path))
+
+
 @cache
 def compiled(path: Path) -> mujoco.MjModel:
-    return mujoco.MjModel.from_xml_path(str(path))
+    return spec_of(path).compile()
 
 
 def at(path: Path, key: str | None = "zero", **degrees: float) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -273,7 +282,7 @@ def test_closed_loop_of_each_joint() -> None:
 def test_closed_loop_of_the_whole_body() -> None:
     """Stepped physics linearised at `home`, all servos alive, dry friction off: each joint's -3 dB within 7..15 Hz."""
     model, data = at(STAND, "home")
-    model = mujoco.MjModel.from_xml_path(str(STAND))
+    model = spec_of(STAND).compile()
     model.dof_frictionloss[:] = 0
     a, b = np.zeros((50, 50)), np.zeros((50, 25))
     mujoco.mjd_transitionFD(model, data, 1e-6, True, a, b, None, None)
@@ -356,10 +365,12 @@ def test_stands_on_its_own_servos() -> None:
 # --- the stand -----------------------------------------------------------------------------------------------------
 
 
-def test_stand_is_made_from_the_robot() -> None:
-    assert make_stand.stand_xml(ROBOT.read_text()) == STAND.read_text()
-    with pytest.raises(BodyError, match="'<freejoint name=\"root\"/>' stands there 0 times"):
-        make_stand.stand_xml(ROBOT.read_text().replace('<freejoint name="root"/>', '<freejoint name="free"/>'))
+def test_it_hangs_in_the_postures_it_stands_in() -> None:
+    """Keys are the scene's without the free joint's part; the torso hangs at its height."""
+    stand, scene = compiled(STAND), compiled(SCENE)
+    assert [stand.key(i).name for i in range(stand.nkey)] == ["home", "zero"]
+    np.testing.assert_array_equal([stand.key_qpos, stand.key_ctrl], [scene.key_qpos[:, 7:], scene.key_ctrl])
+    assert stand.body("torso").pos[2] == facts.TORSO_HEIGHT
 
 
 def test_stand_reaches_nothing() -> None:
@@ -391,7 +402,7 @@ def test_stand_and_scene_are_the_same_body() -> None:
 
 @pytest.mark.parametrize("path", [ROBOT, SCENE, STAND], ids=lambda p: p.stem)
 def test_every_element_is_named(path: Path) -> None:
-    spec = mujoco.MjSpec.from_file(str(path))
+    spec = spec_of(path)
     elements = [*spec.bodies, *spec.joints, *spec.geoms, *spec.sites, *spec.cameras, *spec.lights]
     elements += [*spec.actuators, *spec.sensors, *spec.excludes, *spec.keys]
     assert len(elements) > 200

@@ -85,6 +85,19 @@ def test_a_free_robot_is_hung_by_its_root_and_touches_nothing(arm: Path, tmp_pat
     assert data.ncon == 0
 
 
+def test_a_hung_robot_keeps_its_keys_without_the_root(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        """<mujoco><worldbody><body><joint name="a" range="-1 1" limited="true"/><geom size="0.1"/></body>
+        <body pos="1 0 1"><freejoint/><geom size="0.1"/><body><joint name="b" range="-1 1" limited="true"/>
+        <geom size="0.1"/></body></body></worldbody><actuator><position joint="a" kp="1"/><position joint="b" kp="1"/>
+        </actuator><keyframe><key name="home" qpos="0.3 1 2 3 1 0 0 0 -0.4" qvel="0 1 2 3 4 5 6 7"/></keyframe>
+        </mujoco>""",
+    )
+    body = load_body(path)
+    np.testing.assert_array_equal(body.joint_angles, [[0.3, -0.4]])
+
+
 def test_joints_without_names_or_limits_get_some(tmp_path: Path) -> None:
     path = written(
         tmp_path,
