@@ -5,10 +5,11 @@ long as a saccade gives a body that jumps from view to view; a tick of a video f
 image becomes positions is given from outside (`perceive`): a body has retinas, seeing is the mind's.
 """
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from time import process_time
+from timeit import repeat
 from typing import Protocol
 
 import mujoco
@@ -158,7 +159,9 @@ class SeeingBody:
 
     def act(self, motors: FloatArray, *, look: bool = True) -> FloatArray:
         """Send (B, 2) motor lines, let the tick go by, look; (B, S) sensations. With eyes shut nothing is seen."""
-        target = self._targets(motors)
+        if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
+            raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
+        target = self.heads.commands(self._both(motors))[:, :2]
         for _ in range(self._inner):
             self.time += INNER_S
             self._angles[:, :2], self._velocity = profile(
@@ -171,20 +174,13 @@ class SeeingBody:
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines (B, 2) that command pan and tilt (B, 2), for baselines and stage directions."""
-        full = np.zeros((*np.shape(angles)[:-1], len(self.heads.joints)))
-        full[..., :2] = angles
-        return self.heads.command_angles(full)[..., :2]
+        return self.heads.command_angles(self._both(angles))[..., :2]
 
     def images_per_second(self, looks: int = 60) -> float:
         """How quickly one core makes images of what copy 0's left eye sees (processor time, the best of three)."""
-        data = self._view(0)
-        rng, rates = np.random.default_rng(0), []
-        for _ in range(3):
-            clock = time.process_time()
-            for _ in range(looks // 3):
-                self.eyes[0].see(data, rng)
-            rates.append((looks // 3) / max(time.process_time() - clock, 1e-6))
-        return max(rates)
+        data, rng, number = self._view(0), np.random.default_rng(0), looks // 3
+        took = repeat(lambda: self.eyes[0].see(data, rng), timer=process_time, repeat=3, number=number)
+        return number / max(min(took), 1e-6)
 
     def _view(self, copy: int) -> mujoco.MjData:
         data = self._data
@@ -194,12 +190,9 @@ class SeeingBody:
         mujoco.mj_camlight(self.model, data)
         return data
 
-    def _targets(self, motors: FloatArray) -> FloatArray:
-        if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
-            raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
-        lines = np.zeros(self._angles.shape)
-        lines[:, :2] = motors
-        return self.heads.commands(lines)[:, :2]
+    def _both(self, own: FloatArray) -> FloatArray:
+        """(..., 2) values of our head beside zeros for the teacher's."""
+        return np.concatenate([own, np.zeros((*np.shape(own)[:-1], self._angles.shape[1] - 2))], axis=-1)
 
     def _look(self, felt: FloatArray, shut: bool = False) -> FloatArray:
         readings = {"angle": self.heads.senses.read(felt, "angle", self.facts.motors)}
