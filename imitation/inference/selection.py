@@ -43,7 +43,7 @@ def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) ->
         left, top, right = (
             np.log(np.take_along_axis(probability, (inner + k)[..., None], -1)[..., 0]) for k in (-1, 0, 1)
         )
-    with np.errstate(invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):
         curvature = left - 2 * top + right
         shift = (left - right) / (2 * curvature)
     usable = (inner == best) & np.isfinite(shift) & (curvature < 0)

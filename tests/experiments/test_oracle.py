@@ -96,7 +96,7 @@ def test_directions_of_reachable_postures_are_recovered() -> None:
         errors = []
         for angles in np.random.default_rng(5).uniform(view.low, view.high, (25, len(view.low))):
             wanted, _ = view.directions(angles[None], row)
-            found, _ = view.directions(choose(view, wanted, weights, doubt).angles, row)
+            found, _ = view.directions(choose(view, wanted, weights, doubt), row)
             errors.append(np.rad2deg(angles_between(found[0], wanted[0])))
         for part, error in zip(limb.parts, np.percentile(errors, 90, axis=0), strict=True):
             assert error < (1 if "foot" in PARTS[part] else 0.1), PARTS[part]
