@@ -1,10 +1,11 @@
-"""Axes: discretised quantities, one grid per factor, with hard and soft assignment.
+"""Axes: discretised quantities, one grid per factor, with hard and soft assignment; reading tables laid on them.
 
 The chapter (section 3.2) assumes discrete states and actions; bodies are continuous. An axis owns the way from the one
 to the other. *Soft* (linear) assignment shares a value between its two neighbouring grid points so that the mean is
 kept: it is the belief over discrete states that a sense leaves behind.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple, TypeVar
@@ -151,3 +152,55 @@ class Axis:
         scaled = np.rint(clipped * UNIT).astype(np.int64)
         index = np.minimum(scaled // UNIT, self.size - 2)
         return Soft(index, scaled - index * UNIT, position == clipped)
+
+
+class Cells(NamedTuple):
+    """Where values lie on grids: the corners around each value, on n measured axes and any number of categorical ones.
+
+    Made from nothing by `located`, read as often as one likes.
+    """
+
+    corner: IntArray
+    """(2 x n, ..., F) row of each corner in a table `[factor, axes...]` laid flat."""
+    shares: tuple[FloatArray, ...]
+    """(2, ..., F) for each measured axis: shares of its lower and upper grid point. A corner's is their product."""
+    inside: BoolArray
+    """(..., F) False where a value fell off its axis (it is then taken at the nearest end)."""
+    axes: int
+    """How many axes there are."""
+
+    def on(self, axis: Axis, values: ArrayLike) -> "Cells":
+        """The same places with one more axis and (..., F) values on it."""
+        if axis.is_categorical:
+            return self.onto(axis, axis.hard(values))
+        soft, corner, measured = axis.soft(values), self.corner, len(self.shares)
+        upper = soft.weight / UNIT
+        if measured:
+            corner = corner.reshape(*corner.shape[:measured], 1, *corner.shape[measured:])
+        return Cells(
+            corner * axis.size + np.array([soft.lower, soft.lower + 1]),
+            (*self.shares, np.array([1 - upper, upper])),
+            self.inside & soft.inside,
+            self.axes + 1,
+        )
+
+    def onto(self, axis: Axis, points: IntArray) -> "Cells":
+        """`on` for (..., F) grid points of the axis: nothing lies between them."""
+        return self._replace(corner=self.corner * axis.size + points, axes=self.axes + 1)
+
+    def read(self, table: FloatArray) -> FloatArray:
+        """Multilinear interpolation of `[factor, axes..., rest...]`: (..., F, rest...)."""
+        rest, measured = table.shape[1 + self.axes :], len(self.shares)
+        parts = table.reshape(-1, *rest).take(self.corner, axis=0)
+        for number, share in enumerate(self.shares):
+            parts *= share.reshape(2, *(1,) * (measured - 1 - number), *share.shape[1:], *(1,) * len(rest))
+        values: FloatArray = parts.reshape(-1, *parts.shape[measured:]).sum(0) if measured else parts
+        return values
+
+
+def located(factors: int, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> Cells:
+    """Where (..., F) values, one array for each axis, lie; without any axis, in the only cell there is."""
+    cells = Cells(np.arange(factors), (), np.ones(factors, bool), 0)
+    for axis, value in zip(axes, values, strict=True):
+        cells = cells.on(axis, value)
+    return cells

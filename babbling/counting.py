@@ -1,5 +1,6 @@
 """Counting transitions into the cells of a table: whole where all axes are categories, softly elsewhere."""
 
+import math
 from collections.abc import Sequence
 from functools import reduce
 from itertools import product
@@ -7,6 +8,7 @@ from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from babbling.axes import UNIT, Axis, BoolArray, FloatArray, IntArray
 
@@ -73,3 +75,22 @@ def count_softly(
         weights = [w for _, w in corner if w is not None]
         total += np.bincount(index, reduce(mul, weights) if weights else None, total.size)
     return total.astype(np.int64).reshape(shape), keep
+
+
+def hat_mass(mean: FloatArray, spread: FloatArray, size: int) -> FloatArray:
+    """Mean soft assignment of a Gaussian: E[hat_k(x)], x ~ N(mean, spread^2) in grid steps, k = 0 .. size - 1.
+
+    The hat of grid point k is max(0, 1 - |x - k|); mass beyond the ends goes to the ends. With
+    G(t) = E[max(0, x - t)] = (mean - t) cdf(u) + spread pdf(u), u = (mean - t) / spread, hat_k is a second difference
+    of G, so rows sum to one and keep their mean (up to what lies beyond the ends).
+    """
+    knots = np.arange(size, dtype=float)
+    spread = np.maximum(spread, 1e-6)[..., None]
+    u = (mean[..., None] - knots) / spread
+    ramp = spread * (u * ndtr(u) + np.exp(-u * u / 2) / math.sqrt(2 * math.pi))  # G at each knot
+    slope = np.diff(ramp, axis=-1)  # E of the derivative between knots, in [-1, 0]
+    mass: FloatArray = np.empty(u.shape)
+    mass[..., 1:-1] = np.diff(slope, axis=-1)
+    mass[..., 0] = 1 + slope[..., 0]
+    mass[..., -1] = -slope[..., -1]
+    return np.maximum(mass, 0)

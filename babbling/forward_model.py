@@ -17,10 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import Axis, BoolArray, FloatArray, IntArray, fixed
-from babbling.counting import count_categories, count_softly, weight_bits
+from babbling.axes import Axis, BoolArray, Cells, FloatArray, IntArray, fixed, located
+from babbling.counting import count_categories, count_softly, hat_mass, weight_bits
 from babbling.errors import BabblingError
-from babbling.grids import Cells, hat_mass, located
 from babbling.regression import SCALE, LinearFit, LinearGaussian
 
 _CHUNK = 1 << 16  # transitions per exact bincount: 2^16 x 2^36 < 2^53

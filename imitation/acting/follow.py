@@ -13,10 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray, located
 from babbling.body import Body
 from babbling.forward_model import ForwardModel
-from babbling.grids import located
 from babbling.states import StateMap
 from imitation.errors import ImitationError
 from imitation.inference.inverse import CATEGORIES, Rung, descend

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from babbling.axes import Axis, BoolArray, FloatArray
-from babbling.grids import located
+from babbling.axes import Axis, BoolArray, FloatArray, located
 from babbling.looking import LookingMind
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.selection import selection_rule

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from babbling.axes import Axis, FloatArray
+from babbling.axes import Axis, FloatArray, located
+from babbling.counting import hat_mass
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
-from babbling.grids import hat_mass, located
 
 seeds = st.integers(0, 2**32 - 1)
 
