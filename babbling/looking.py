@@ -159,8 +159,9 @@ class LookingPilot:
         moved = seen.outcome + self.straight(seen.context, seen.action)
         return regress(self.terms(seen.context, seen.action), moved[..., None])
 
-    def forward_model(self) -> ForwardModel:
-        """An empty forward model on these axes."""
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """Of the forward model: u, v and the other motors' postures, action, outcome."""
         eye, half, reach = 2 * (self.coordinate // 2), self.retina.half, self.reach
         u = Axis("u", "px", -half[eye], half[eye], GRID[0])
         v = Axis("v", "px", -half[eye + 1], half[eye + 1], GRID[1])
@@ -169,12 +170,17 @@ class LookingPilot:
             Axis(f"other{k or ''}", "rad", reach.low[other] - margin, reach.high[other] + margin, GRID[2])
             for k, other in enumerate(self.others.T)
         )
+        largest = 1.02 * reach.largest[self.motor] + margin
+        return (u, v, *postures, Axis("action", "rad", -largest, largest, GRID[3]), self.outcome)
+
+    def forward_model(self) -> ForwardModel:
+        """An empty forward model on these axes."""
+        *contexts, action, outcome = self.axes
         sides = ("left u", "left v", "right u", "right v")
         labels = [f"motor {m} moves {sides[c]}" for m, c in zip(self.motor, self.coordinate, strict=True)]
-        largest = 1.02 * reach.largest[self.motor] + margin
-        action = Axis("action", "rad", -largest, largest, GRID[3])
-        axes = ((u, v, *postures), action, self.outcome)
-        return ForwardModel(*axes, factors=labels, prior_strength=PRIOR_STRENGTH, fingerprint=self.fingerprint)
+        return ForwardModel(
+            contexts, action, outcome, factors=labels, prior_strength=PRIOR_STRENGTH, fingerprint=self.fingerprint
+        )
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
         """Saccades of one motor at a time, from where the last one went."""
@@ -239,7 +245,7 @@ class LookingMind:
 
     def __post_init__(self) -> None:
         terms = copy_terms(*np.zeros((2 + len(self.pilot.reach.low), 1))).shape[-1]
-        fits = same_axes(self.forward_model.axes, self.pilot.forward_model().axes)
+        fits = same_axes(self.forward_model.axes, self.pilot.axes)
         if not fits or self.pilot.line.shape[-1] != terms:
             raise BabblingError("the forward model has other axes than its pilot found; babble anew")
 
