@@ -42,6 +42,10 @@ class Pilot:
 
     schema: BodySchema
     motors: MotorRange
+    low: Annotated[FloatArray, Numbers("motor", "rad")]
+    """(F,) least posture to ask for: that of the least command, where the posture sense does not end before."""
+    high: Annotated[FloatArray, Numbers("motor", "rad")]
+    """(F,) greatest posture to ask for."""
     dynamics: LinearDynamics
     rate: Annotated[Axis, Numbers("motor")]
     action: Annotated[Axis, Numbers("motor")]
@@ -79,6 +83,9 @@ def pilot(body: Body, seed: int) -> Pilot:
             "it is and one that says how fast it moves"
         )
     span = motor_range(schema, body)
+    ends = np.sort(schema.efference(np.stack([body.motor_low, body.motor_high])), axis=0)
+    low = np.maximum(ends[0], body.sense_low[schema.posture])
+    high = np.minimum(ends[1], body.sense_high[schema.posture])
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
     dynamics = fit_dynamics(schema, motors, senses)
@@ -87,7 +94,7 @@ def pilot(body: Body, seed: int) -> Pilot:
     action = symmetric("action", "rad", seen.action, GRID[1])
     outcome = symmetric("outcome", "rad", seen.outcome, GRID[2])
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
-    return Pilot(schema, span, dynamics, rate, action, outcome, minutes)
+    return Pilot(schema, span, low, high, dynamics, rate, action, outcome, minutes)
 
 
 def beyond(

@@ -25,7 +25,7 @@ def replay_commands(
     approach and the movement, (N, J), and gives the command to hold during each of those ticks.
     """
     body.reset()
-    way = approach(body.joint_angles[0], angles, body.tick_s)
+    way = approach(body.joint_angles[0], angles, body.tick_s, *body.joint_range.T)
     commands = commands_for(np.concatenate([way, angles]))
     reached = np.empty_like(angles)
     for t, command in enumerate(commands):

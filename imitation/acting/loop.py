@@ -66,13 +66,17 @@ class Info:
 
 @dataclass(frozen=True, eq=False)
 class Attempt(Info):
-    """`Info` over the T ticks of the movement that happened (the approach is not kept): T in front of every shape;
-    posterior and familiarity of copy 0 alone, single precision."""
+    """`Info` over the T ticks of the movement that happened (of the approach, where it went is all that is kept): T in
+    front of every shape; posterior and familiarity of copy 0 alone, single precision."""
 
     senses: FloatArray
     """(T, B, S) sensations at each sub-goal's time."""
     truth: FloatArray
     """(T, B, ...) whatever `witness` returned each tick (for those who judge, not for the mind); empty without one."""
+    way: FloatArray
+    """(N, B, F) postures of the approach, before any aiming beside them."""
+    approach: FloatArray
+    """(N, B, ...) what `witness` returned meanwhile; fewer where it ended there."""
     ended: str | None
     """Why it ended early; None where it came to the end."""
     ended_tick: int
@@ -121,7 +125,7 @@ class Imitator:
         schema, goals = self.mind.pilot.schema, self.goals[:, None]
         posture, rate = senses[:, schema.posture], senses[:, schema.rate]
         shift = np.broadcast_to(aim, (len(goals), *posture.shape))
-        way = approach(posture, self.goals, self.tick_s)
+        way = approach(posture, self.goals, self.tick_s, self.mind.pilot.low, self.mind.pilot.high)
         # while approaching, the first sub-goal's shift is taken up gradually
         up = np.linspace(0, 1, len(way))[:, None, None]
         targets = np.concatenate([way + up * shift[:1], goals + shift])
@@ -149,7 +153,9 @@ class Imitator:
         clock = time.perf_counter()
         choice = self.inverse.choose(terms, rng)
         clock = time.perf_counter() - clock
-        command, nothing = posture + choice.action, np.zeros((*rate.shape, 0))
+        # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
+        command = np.clip(posture + choice.action, self.mind.pilot.low, self.mind.pilot.high)
+        nothing = np.zeros((*rate.shape, 0))
         state = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
         info = Info(
             believed=belief.mean,
@@ -222,7 +228,7 @@ def _attempt(
     ended: Callable[[FloatArray], str | None],
 ) -> Attempt:
     felt = body.reset()
-    state, why = imitator.start(felt, aim), None
+    state, why, way = imitator.start(felt, aim), None, imitator.start(felt).targets
     first, senses, truth, infos = state.left - len(imitator.goals), [], [], list[Info]()
     while state.left and why is None:
         why = ended(felt)
@@ -236,5 +242,13 @@ def _attempt(
     end = len(infos) - (why is not None)  # the step that found the end was not done
     names = [field.name for field in fields(Info)]
     seen = {name: np.stack([getattr(info, name) for info in infos])[first:end] for name in names}
-    lasted = np.stack(senses)[first:end], np.stack(truth)[first:end]
-    return Attempt(**seen, senses=lasted[0], truth=lasted[1], ended=why, ended_tick=end - first)
+    felt, true = np.stack(senses)[first:end], np.stack(truth)[:end]
+    return Attempt(
+        **seen,
+        senses=felt,
+        truth=true[first:],
+        way=way[:first],
+        approach=true[:first],
+        ended=why,
+        ended_tick=end - first,
+    )

@@ -39,31 +39,39 @@ class Movement:
         return postures
 
 
-def approach(start: FloatArray, goals: FloatArray, tick_s: float) -> FloatArray:
+def approach(start: FloatArray, goals: FloatArray, tick_s: float, low: FloatArray, high: FloatArray) -> FloatArray:
     """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, F), arriving at its pace.
 
     Law: quintics with given position, velocity and acceleration at both ends (the minimum-jerk paths between moving
     states, Flash and Hogan 1985): from rest to a run-up point, and from rest there into the movement. The run-up is
-    short, so that a movement which starts fast does not send the body far afield.
+    short, so that a movement which starts fast does not send the body far afield, and shorter where the way back ends
+    at `low` or `high` (F,): none leaves that range.
     """
     pace = (-3 * goals[0] + 4 * goals[1] - goals[2]) / (2 * tick_s)
     bend = (goals[0] - 2 * goals[1] + goals[2]) / tick_s**2
     still = np.zeros_like(pace)
-    foot = np.broadcast_to(goals[0] - pace * RUN_UP_S / 2, start.shape)
-    return np.concatenate(
-        [
-            _quintic(start, foot, still, still, APPROACH_S, tick_s),
-            _quintic(foot, goals[0], pace, bend, RUN_UP_S, tick_s),
-        ]
-    )
+    room = np.where(pace > 0, goals[0] - low, high - goals[0])
+    run_up = np.clip(2 * room / np.maximum(np.abs(pace), 1e-9), tick_s, RUN_UP_S)
+    foot = np.broadcast_to(np.clip(goals[0] - pace * run_up / 2, low, high), start.shape)
+    there = _quintic(start, foot, still, still, np.full_like(pace, APPROACH_S), APPROACH_S, tick_s)
+    along = _quintic(foot, goals[0], pace, bend, run_up, RUN_UP_S, tick_s)
+    return np.asarray(np.clip(np.concatenate([there, along]), low, high))
 
 
 def _quintic(
-    start: FloatArray, end: FloatArray, pace: FloatArray, bend: FloatArray, seconds: float, tick_s: float
+    start: FloatArray,
+    end: FloatArray,
+    pace: FloatArray,
+    bend: FloatArray,
+    seconds: FloatArray,
+    whole_s: float,
+    tick_s: float,
 ) -> FloatArray:
-    count = round(seconds / tick_s)
+    """Its last `seconds` (F,) of `whole_s` are the way; before, it rests at the start."""
     span, pace, bend = end - start, pace * seconds, bend * seconds**2
-    r = (np.arange(count) / count).reshape(-1, *(1,) * start.ndim)
+    count = round(whole_s / tick_s)
+    left = (np.arange(count, 0, -1) * tick_s).reshape(-1, *(1,) * start.ndim)
+    r = np.maximum(1 - left / seconds, 0)
     way: FloatArray = start + (
         (10 * span - 4 * pace + bend / 2) * r**3
         + (-15 * span + 7 * pace - bend) * r**4

@@ -13,6 +13,7 @@ from imitation.acting.rehearsal import CALM, calmest
 from imitation.errors import ImitationError
 
 TICK = 0.02
+EVERYWHERE = np.array(-np.inf), np.array(np.inf)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -24,7 +25,7 @@ def test_the_approach_starts_at_rest_and_arrives_with_the_movements_pace(seed: i
     t = np.arange(8)[:, None] * TICK
     c = rng.uniform(-1, 1, (3, 3)) * [[1], [2], [5]]
     goals = c[0] + c[1] * t + c[2] * t**2  # a parabola: its differences are its derivatives
-    way = approach(start, goals, TICK)
+    way = approach(start, goals, TICK, *EVERYWHERE)
     assert len(way) == round(APPROACH_S / TICK) + round(RUN_UP_S / TICK)
     np.testing.assert_allclose(way[0], start, atol=1e-12)
     assert np.abs(way[1] - way[0]).max() < 1e-3  # from rest: r^3
@@ -41,10 +42,39 @@ def test_the_approach_starts_at_rest_and_arrives_with_the_movements_pace(seed: i
 
 def test_an_approach_to_a_still_movement_is_one_minimum_jerk() -> None:
     goals = np.tile([0.4, -0.2], (5, 1))
-    way = approach(np.zeros(2), goals, TICK)
+    way = approach(np.zeros(2), goals, TICK, *EVERYWHERE)
     r = np.arange(round(APPROACH_S / TICK))[:, None] * TICK / APPROACH_S
     np.testing.assert_allclose(way[: len(r)], goals[0] * r**3 * (10 - 15 * r + 6 * r * r), atol=1e-12)
     np.testing.assert_allclose(way[len(r) :], np.tile(goals[0], (len(way) - len(r), 1)), atol=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds)
+def test_no_approach_leaves_the_ranges_and_each_is_one_way_into_the_movement(seed: int) -> None:
+    """Also from a stop, and into movements that begin fast, at a stop or away from it."""
+    rng = np.random.default_rng(seed)
+    low, high = -rng.uniform(0.1, 1, 4), rng.uniform(0.1, 1, 4)
+    start = np.clip(rng.uniform(1.3 * low, 1.3 * high, (2, 4)), low, high)
+    t = np.arange(8)[:, None] * TICK
+    pace = rng.uniform(-6, 6, 4)
+    goals = np.clip(rng.uniform(1.3 * low, 1.3 * high), low, high) + pace * t
+    way = approach(start, goals, TICK, low, high)
+    free = approach(start, goals, TICK, *EVERYWHERE)
+    assert (way >= low).all() and (way <= high).all()
+    np.testing.assert_array_equal(way[0], start)
+    steps = np.abs(np.diff(np.concatenate([way, np.tile(goals[:1, None], (1, 2, 1))]), axis=0))
+    fastest = np.maximum(15 / 8 * (high - low) / APPROACH_S, np.abs(pace))  # minimum jerk, or the movement's own pace
+    assert (steps <= fastest * TICK + 1e-9).all()
+    inside = ((free > low) & (free < high)).all(0)
+    np.testing.assert_allclose(way[:, inside], free[:, inside], atol=1e-12)  # where there is room nothing changes
+
+
+def test_a_run_up_with_little_room_is_short_and_gathers_the_whole_pace() -> None:
+    goals = (0.1 + 2.0 * TICK * np.arange(5))[:, None]
+    way = approach(np.array([0.5]), goals, TICK, np.zeros(1), np.ones(1))[:, 0]
+    np.testing.assert_allclose(way[round((APPROACH_S + RUN_UP_S - 0.1) / TICK) - 1], 0, atol=1e-12)  # 2 x 0.1 / 2.0
+    assert (np.diff(way[round(APPROACH_S / TICK) :]) >= 0).all(), "never back"
+    assert (goals[0, 0] - way[-1]) / TICK == pytest.approx(2.0, rel=0.1)
 
 
 def schema(postures: list[int]) -> BodySchema:

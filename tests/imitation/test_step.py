@@ -1,5 +1,6 @@
 """The loop, one step at a time: what a step wants and believes, whom it depends on, and how attempts end."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -69,6 +70,26 @@ def driven(mind, movement, eagerness, copies=2, aim=0.0):
     return inverse, states, infos, felt
 
 
+def test_no_posture_beyond_the_range_is_asked_for_and_the_belief_is_told_what_was_sent(arm, arm_mind, movement):
+    """Wishes far beyond every stop: what the motors get is what the belief goes on with."""
+    pilot, eager = arm_mind.pilot, Obeyed()
+    eager.choose = lambda terms, rng: Choice(np.array([[9.0, -9.0, 0.0]]), None, np.zeros((1, 3), np.int8))
+    eager.expect = None
+    imitator = Imitator(arm_mind, movement, inverse=eager)
+    imitator.estimate = StateEstimate(pilot.schema, pilot.dynamics)
+    body = load_body(arm)
+    low, high = body.sense_low[pilot.schema.posture], body.sense_high[pilot.schema.posture]
+    state, motors, info = imitator.step(imitator.start(felt := body.reset()), felt, np.random.default_rng(0))
+    np.testing.assert_allclose(pilot.schema.efference(motors), info.commands, atol=1e-12)
+    np.testing.assert_array_equal(info.commands[0, :2], [high[0], low[1]])
+    told = imitator.estimate.predict(imitator.start(felt).belief, info.commands)
+    np.testing.assert_array_equal(state.belief.mean, told.mean)
+    fast = Movement("fast", 0.02, body.sensations(body.joint_range[:, 1] - 4 * 0.02 * np.arange(5.0)[:, None]))
+    way = Imitator(arm_mind, fast).start(felt).targets[:LEAD]
+    assert (way >= low).all() and (way <= high).all()
+    np.testing.assert_array_equal(way[-1, 0], high)
+
+
 @pytest.mark.parametrize("copies", [1, 3])
 def test_steps_by_hand_are_what_the_loop_does(arm, arm_mind, movement, copies):
     body, rng = load_body(arm, copies=copies, noise=0.002), np.random.default_rng(0)
@@ -123,8 +144,8 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
         target, (posture, rate, _) = state.targets[state.tick], info.believed.T
         pace = np.gradient(state.targets, 0.02, axis=0)[state.tick]
         np.testing.assert_allclose(asked.context, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
-        start = info.commands - asked.action
-        np.testing.assert_allclose(start, (1 - eagerness) * target + eagerness * posture.T, atol=1e-12)
+        told = (1 - eagerness) * target + eagerness * posture.T + asked.action
+        np.testing.assert_allclose(info.commands, told.clip(arm_mind.pilot.low, arm_mind.pilot.high), atol=1e-12)
         signs |= set(np.sign(asked.context).ravel())
     assert {-1.0, 1.0} <= signs
 
@@ -132,7 +153,9 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
 def test_the_mirror_image_is_asked_for_the_mirror_image(arm_mind, movement):
     """Negate what is felt and what was seen: every question is negated (nothing in the loop is blind to a sign)."""
     turned = Movement("turned", movement.tick_s, -movement.senses)
-    imitators = [Imitator(arm_mind, m, inverse=LinearInverse(arm_mind.forward_model)) for m in (movement, turned)]
+    pilot = replace(arm_mind.pilot, low=np.full(3, -9.0), high=np.full(3, 9.0))  # its own stops have no mirror image
+    mind, line = replace(arm_mind, pilot=pilot), LinearInverse(arm_mind.forward_model)
+    imitators = [Imitator(mind, m, inverse=line) for m in (movement, turned)]
     senses = feeling(arm_mind.pilot.schema, 1, 3)
     first, second = next(senses), next(senses)
     wanted = []
