@@ -13,11 +13,15 @@ import mujoco.batch
 import numpy as np
 from numpy.typing import NDArray
 
-from models.arrays import FloatArray
+from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
 from models.senses import Channel, Senses, sensor_channels
-from models.wear import Wear
+from models.wear import Wear, ball_radius
 from models.wiring import Wiring
+
+JAMMED = 1e9
+"""Damping of a jammed gear, N m s/rad: 9 N m turn it by less than a pulse of an encoder in an hour."""
+EVERY = slice(None)
 
 
 class SimulatedBody:
@@ -98,7 +102,8 @@ class SimulatedBody:
         self.motor_labels = tuple(self.joints[j] for j in np.argsort(self.wiring.motor))
         self.motor_low, self.motor_high = -np.ones(count), np.ones(count)
         self.batch = mujoco.batch.Batch(model, copies, threads)
-        self._played = np.zeros((copies, count))
+        self._played = np.zeros((len(self.wear.backlash), copies, count))
+        self._plugs = np.tile(np.arange(count), (copies, 1))
         self._seed = seed
         self.reseed(0)
         self.time = 0.0
@@ -134,10 +139,8 @@ class SimulatedBody:
         """
         if not np.isfinite(motors).all():
             raise BodyError(f"{self.name}: a motor command is not a number at {self.time:.2f} s")
-        command = self.commands(np.asarray(motors, float))
-        play = self.wear.backlash / 2
-        np.clip(self._played, command - play, command + play, out=self._played)
-        self.batch.ctrl[:, self._servos] = self._played
+        command = self.commands(np.take_along_axis(np.asarray(motors, float), self._plugs, 1))
+        self.batch.ctrl[:, self._servos] = self.wear.follow(self._played, command)
         warnings = self.batch.warning[..., 1].copy()
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
@@ -148,6 +151,56 @@ class SimulatedBody:
         self.time += self.tick_s
         self._check(self.batch.warning[..., 1] - warnings)
         return self._feel()
+
+    def jam(self, joint: str, copies: slice | IntArray = EVERY) -> None:
+        """The gear of this joint locks where it is, in these copies, whatever is commanded (until `mend`).
+
+        What happens to a body while it lives leaves its fingerprint and `reset` as they are: it is still the body that
+        babbled, and a jammed joint is jammed at home after a reset.
+
+        Raises:
+            BodyError: it has no motor on such a joint.
+        """
+        if joint not in self.joints:
+            raise BodyError(unknown("joint with a motor", joint, self.joints))
+        dof = self._dof[self.joints.index(joint)]
+        self.batch.expand("dof_damping")[copies, dof] = JAMMED
+        self.batch.qvel[copies, dof] = 0
+
+    def carry(self, kg: float, body: str, copies: slice | IntArray = EVERY) -> None:
+        """From now on this body of the model holds a steel ball of so many kg at its centre of mass; 0 drops it.
+
+        Raises:
+            BodyError: no such body, or a mass below 0.
+        """
+        bodies = [self.model.body(i).name for i in range(self.model.nbody)]
+        if body not in bodies or not 0 <= kg < np.inf:
+            raise BodyError(f"{self.name}: {kg:g} kg on {body!r}: 0 kg or more, on one of {', '.join(bodies[1:])}")
+        part = bodies.index(body)
+        self.batch.expand("body_mass")[copies, part] = self.model.body_mass[part] + kg
+        self.batch.expand("body_inertia")[copies, part] = (
+            self.model.body_inertia[part] + 0.4 * kg * ball_radius(kg) ** 2
+        )
+        self.batch.set_const()
+
+    def rewire(self, first: int, second: int, copies: slice | IntArray = EVERY) -> None:
+        """Two motor lines change places; `commands` and `command_angles` still speak of the old wiring.
+
+        Raises:
+            BodyError: no such motor lines.
+        """
+        if not {first, second} <= set(range(len(self.joints))):
+            raise BodyError(f"{self.name}: motor lines {first} and {second} of 0 to {len(self.joints) - 1}")
+        plugs = self._plugs[copies]
+        plugs[:, [first, second]] = plugs[:, [second, first]]
+        self._plugs[copies] = plugs
+
+    def mend(self) -> None:
+        """Nothing is jammed, carried or rewired any more; postures stay as they are."""
+        self._plugs[:] = np.arange(len(self.joints))
+        for name in ("dof_damping", "body_mass", "body_inertia"):
+            self.batch.expand(name)[:] = getattr(self.model, name)
+        self.batch.set_const()
 
     def commands(self, motors: FloatArray) -> FloatArray:
         """(..., M) motor lines as angles asked of the servos (before any play of their gears)."""
@@ -229,7 +282,8 @@ def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: floa
         model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
         model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
-        np.array([wear.backlash, tick_s, model.opt.timestep]), "\n".join(parts).encode(),
+        model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid,
+        np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]), "\n".join(parts).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

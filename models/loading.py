@@ -10,6 +10,10 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.files import checked
 from models.robots import Robot, find
+from models.wear import ball_radius
+
+FAR = 1e3
+"""rad; where a spring that is not there would begin."""
 
 
 def load_body(
@@ -55,7 +59,9 @@ def load_body(
 
 
 def hung(robot: Robot) -> mujoco.MjSpec:
-    """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching nothing."""
+    """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching nothing but the
+    springs and payloads of its entry.
+    """
     spec = mujoco.MjSpec.from_file(str(robot.path))
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     if free:
@@ -74,6 +80,13 @@ def hung(robot: Robot) -> mujoco.MjSpec:
         stand.add_geom(name="stand_foot", type=kind.mjGEOM_CYLINDER, size=(0.12, 0.008, 0), pos=(0, 0, 0.008), **look)
         for name, size, line in (("pole", 0.012, (0, 0, 0, 0, 0, top)), ("arm", 0.01, (0, 0, top, 0.09, 0, top))):
             stand.add_geom(name=f"stand_{name}", type=kind.mjGEOM_CAPSULE, size=(size, 0, 0), fromto=line, **look)
+    for joint, spring in robot.springs.items():
+        ends = np.clip((spring.low, spring.high), -FAR, FAR)
+        spec.add_tendon(name=f"{joint}_spring", stiffness=spring.stiffness, springlength=ends).wrap_joint(joint, 1.0)
+    for name, kg in robot.carries.items():
+        held = spec.body(name)
+        ball = held.add_body(name=f"{name}_payload", pos=held.ipos)
+        ball.add_geom(size=(ball_radius(kg), 0, 0), mass=kg, group=2, contype=0, conaffinity=0)
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     return spec
 

@@ -11,9 +11,9 @@ import numpy as np
 from models import biclops, hoap2
 from models.biclops.facts import CAMERA_HEIGHT, MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S, PAN_HEIGHT
 from models.errors import BodyError, unknown
-from models.hoap2.facts import TORSO_HEIGHT, WORN_BACKLASH_DEG, WORN_FRICTION_FACTOR
+from models.hoap2 import facts
 from models.hoap2.limbs import SEGMENTS, Segment
-from models.wear import Wear
+from models.wear import Spring, Wear
 
 EYE_HEIGHT = PAN_HEIGHT + CAMERA_HEIGHT
 """Metres of every robot's eyes above the table it is put before."""
@@ -51,6 +51,10 @@ class Robot:
     hangs_at: float | None = None
     """Height of its root on a stand, m; None leaves the root where its file has it."""
     wear: Wear = Wear()  # noqa: RUF009  (frozen)
+    springs: Mapping[str, Spring] = field(default_factory=dict)
+    """Elastic stops, by joint."""
+    carries: Mapping[str, float] = field(default_factory=dict)
+    """kg held, by the body (with an <inertial>) at whose centre of mass they are: a steel ball."""
     sensors: tuple[str, ...] = ()
     """<sensor> elements of its MJCF that it feels, besides its joints."""
     head: Head | None = None
@@ -64,25 +68,56 @@ class Robot:
 _HOAP2 = Robot(
     hoap2.SCENE,
     "HOAP-2 hung by its torso on a stand, 25 joints",
-    hangs_at=TORSO_HEIGHT,
+    hangs_at=facts.TORSO_HEIGHT,
     head=Head(  # eyes at waist + neck + tilt axis - 5 mm; speed as in its MJCF; acceleration: .2 s to top speed
         motors=("head_joint_1", "head_joint_2"),
         max_speed=(4.0, 4.0),
         max_acceleration=(20.0, 20.0),
-        table=(0.0, 0.0, TORSO_HEIGHT + 0.090 + 0.081 - 0.005 - EYE_HEIGHT),
+        table=(0.0, 0.0, facts.TORSO_HEIGHT + 0.090 + 0.081 - 0.005 - EYE_HEIGHT),
         rest=(0.0, 0.16),
         tilt=(-0.24, 0.62),  # its neck bends only 15 degrees up
     ),
     limbs=SEGMENTS,
 )
+_BLIND = replace(_HOAP2, head=None)
+_BACKLASH = (float(np.deg2rad(facts.WORN_BACKLASH_DEG)),)
+
+
+def _spring(joint: str) -> Spring:
+    """From mid range on, against bending: at the end of the range it takes its share of the servo's torque."""
+    low, high = np.deg2rad(facts.RANGES_DEG[joint]).tolist()
+    middle, limit = (low + high) / 2, facts.TORQUE_LIMIT[facts.joint_class(joint)]
+    stiffness = facts.SPRING_SHARE * limit / (high - middle)
+    return Spring(stiffness, high=middle) if high > -low else Spring(stiffness, low=middle)
+
+
+_SPRINGS = {joint: _spring(joint) for joint in facts.SPRUNG}
 ROBOTS: Mapping[str, Robot] = MappingProxyType(
     {
         "hoap2": _HOAP2,
         "hoap2-worn": replace(
-            _HOAP2,
-            about=f"the same with worn gears: stiction x {WORN_FRICTION_FACTOR:g}, backlash {WORN_BACKLASH_DEG:g} deg",
-            wear=Wear(WORN_FRICTION_FACTOR, float(np.deg2rad(WORN_BACKLASH_DEG))),
-            head=None,
+            _BLIND,
+            about=f"the same with worn gears: stiction x {facts.WORN_FRICTION_FACTOR:g}, "
+            f"backlash {facts.WORN_BACKLASH_DEG:g} deg",
+            wear=Wear(facts.WORN_FRICTION_FACTOR, _BACKLASH),
+        ),
+        "hoap2-backlash": replace(
+            _BLIND,
+            about=f"the same with fresh friction and a worn gear's backlash, {facts.WORN_BACKLASH_DEG:g} deg",
+            wear=Wear(backlash=_BACKLASH),
+        ),
+        "hoap2-spring": replace(
+            _BLIND, about="the same whose elbows and knees bend against a spring from mid range on", springs=_SPRINGS
+        ),
+        "hoap2-payload": replace(
+            _BLIND,
+            about=f"the same with {1000 * facts.PAYLOAD:g} g in its right hand",
+            carries={"right_hand": facts.PAYLOAD},
+        ),
+        "hoap2-hysteresis": replace(
+            _BLIND,
+            about="the same whose joints lag as pneumatic ones do: a sum of plays of several widths",
+            wear=Wear(1.0, tuple(np.deg2rad(facts.HYSTERESIS_DEG).tolist()), facts.HYSTERESIS_SHARES),
         ),
         "biclops": Robot(
             biclops.ROBOT,

@@ -14,8 +14,8 @@ class Config(BodyOptions):
     """Options of `imitate babble`."""
 
     robot: Robot = "hoap2"
-    """hoap2, hoap2-worn, or the path of an MJCF file with position actuators; biclops babbles with its eyes, as
-    `imitate saccades` does, and leaves a folder."""
+    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis), or the path of an MJCF with position actuators;
+    biclops babbles with its eyes, as `imitate saccades` does, and leaves a folder."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling, over all copies."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None

@@ -71,6 +71,16 @@ WORN_FRICTION_FACTOR: Final = 30.0
 """A worn joint sticks this many times harder than a fresh one."""
 WORN_BACKLASH_DEG: Final = 0.5
 """Total play between servo and limb of a worn joint, degrees."""
+SPRING_SHARE: Final = 0.75
+"""Of a servo's torque limit that an elastic stop, touched from the middle of the range on, takes at the range's end."""
+SPRUNG: Final = tuple(f"{side}_{joint}" for side in SIDES for joint in ("arm_joint_4", "leg_joint_4"))
+"""Joints with such a stop, against bending: elbows and knees."""
+PAYLOAD: Final = 0.2
+"""kg carried in the right hand."""
+HYSTERESIS_DEG: Final = (0.0, 4.0, 12.0, 24.0)
+"""Widths of the plays of a pneumatic joint, degrees."""
+HYSTERESIS_SHARES: Final = (0.4, 0.3, 0.2, 0.1)
+"""Their shares: a wide loop is 6 degrees wide."""
 
 ENCODER_PULSES_PER_DEGREE: Final = 209.0
 CONTROL_RANGE_FACTOR: Final = 1.2

@@ -268,7 +268,7 @@ def test_spoiled_motion_capture(
 
 def test_another_robot_is_shown_angles_only(refused: Refused, arm: Path) -> None:
     said = refused("gesture", "--robot", arm, "--demonstration", "icub-wave")
-    assert "limb directions can be shown to hoap2, hoap2-worn only" in said and "shoulder, elbow, wrist" in said
+    assert "limb directions can be shown to hoap2, hoap2-worn, " in said and "shoulder, elbow, wrist" in said
 
 
 # --- robots -------------------------------------------------------------------------------------------------------

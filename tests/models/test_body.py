@@ -85,7 +85,7 @@ def test_hoap2_reads_whole_pulses() -> None:
 def worn(arm: Path, backlash: float) -> SimulatedBody:
     model = compiled(Robot(arm, "arm"))
     servos(model, "arm")
-    return SimulatedBody(model, name="arm", wear=Wear(backlash=backlash))
+    return SimulatedBody(model, name="arm", wear=Wear(backlash=(backlash,)))
 
 
 @settings(max_examples=15, deadline=None)
@@ -131,7 +131,7 @@ def test_no_backlash_is_no_play_and_worn_joints_stick(arm: Path) -> None:
         assert (body.batch.ctrl == body.commands(command)).all()
     fresh, old = load_body("hoap2"), load_body("hoap2-worn")
     np.testing.assert_allclose(old.model.dof_frictionloss, 30 * fresh.model.dof_frictionloss)
-    assert old.wear.backlash == pytest.approx(np.deg2rad(0.5))
+    assert old.wear.backlash == pytest.approx((np.deg2rad(0.5),))
     assert fresh.fingerprint != old.fingerprint
 
 
@@ -232,3 +232,91 @@ def test_a_body_of_some_motors_is_the_whole_whose_rest_holds_still() -> None:
     assert whole.fingerprint != part.fingerprint
     with pytest.raises(BodyError, match=r"unknown joint with a motor 'head_joint_3'.*did you mean"):
         SimulatedBody(model, name="h", motors=("head_joint_3",))
+
+
+def gravity(body: SimulatedBody) -> np.ndarray:
+    """(nv,) torque of gravity where copy 0 is, by the model that the batch really steps."""
+    model, data = body.batch.get_model(0), mujoco.MjData(body.model)
+    data.qpos[:] = body.batch.qpos[0]
+    mujoco.mj_forward(model, data)
+    return np.array(data.qfrc_bias)
+
+
+def test_a_payload_weighs_m_g_r(arm: Path) -> None:
+    """Three links hang straight down at 0; with the shoulder at q the hand's centre is .6 m down the arm."""
+    body, angle = load_body(arm, threads=1), 0.7
+    body.batch.qpos[0] = (angle, 0.0, 0.0)
+    before, print_ = gravity(body), body.fingerprint
+    body.carry(0.2, "hand")
+    added, lever = gravity(body) - before, np.array([0.6, 0.3, 0.0])
+    np.testing.assert_allclose(np.abs(added), 0.2 * 9.81 * lever * np.sin(angle), atol=1e-9)
+    body.carry(0.0, "hand")
+    np.testing.assert_allclose(gravity(body), before, atol=1e-12)
+    assert body.fingerprint == print_
+    with pytest.raises(BodyError, match=r"0\.2 kg on 'nose': 0 kg or more, on one of upper, fore, hand"):
+        body.carry(0.2, "nose")
+    with pytest.raises(BodyError, match="-1 kg on 'hand'"):
+        body.carry(-1, "hand")
+
+
+def test_a_payload_taken_up_is_the_payload_carried_from_birth() -> None:
+    born, later = load_body("hoap2-payload"), load_body("hoap2")
+    fresh = felt(later, moves(later, 15))
+    later.carry(0.2, "right_hand")
+    np.testing.assert_allclose(felt(later, moves(later, 15)), felt(born, moves(born, 15)), atol=1e-4)  # a pulse
+    assert np.abs(felt(later, moves(later, 15)) - fresh).max() > 0.01
+    assert born.fingerprint != later.fingerprint
+
+
+def test_a_jammed_joint_stays_where_it_was_and_the_rest_does_not(arm: Path) -> None:
+    """In mid movement; in the copies named; less than a pulse of 209 a degree in ten seconds of other commands."""
+    body, whole = load_body(arm, copies=3), load_body(arm, copies=3)
+    commands, then = moves(body, 20), moves(body, 500, seed=1)
+    for one in (body, whole):
+        felt(one, commands)
+    assert np.abs(body.batch.qvel[1:, 1]).max() > 0.05
+    body.jam("elbow", np.array([1, 2]))
+    at = body.joint_angles[:, 1].copy()
+    path = []
+    for command in then:
+        body.act(command)
+        whole.act(command)
+        path.append(body.joint_angles.copy())
+    travel = np.ptp(path, axis=0)
+    assert np.abs(np.array(path)[:, 1:, 1] - at[1:]).max() < np.deg2rad(1 / 209)
+    assert (travel[:, [0, 2]] > 0.2).all() and travel[0, 1] > 0.2
+    np.testing.assert_array_equal(body.joint_angles[0], whole.joint_angles[0])
+    with pytest.raises(BodyError, match=r"unknown joint with a motor 'elbo'.*did you mean 'elbow'"):
+        body.jam("elbo")
+
+
+def test_a_jammed_joint_holds_the_torque_limit_of_a_heavy_robot() -> None:
+    body = load_body("hoap2", copies=2)
+    column = body.joints.index("left_leg_joint_4")
+    at = body.joint_angles[0, column]
+    body.jam("left_leg_joint_4")
+    full = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 25))
+    full[:, column] = [-0.6, 0.6]  # 9 N m either way
+    for _ in range(100):
+        body.act(full)
+    assert np.abs(body.joint_angles[:, column] - at).max() < np.deg2rad(0.1 / 209)
+
+
+def test_rewired_lines_have_changed_places_and_mending_undoes_all(arm: Path) -> None:
+    body, whole = (load_body(arm, copies=2, scramble=3) for _ in range(2))
+    commands = moves(body, 30)
+    straight, print_ = felt(whole, commands), body.fingerprint
+    body.rewire(0, 2, np.array([1]))
+    swapped = commands.copy()
+    swapped[:, 1] = commands[:, 1][:, [2, 1, 0]]
+    rewired = felt(body, commands)
+    np.testing.assert_array_equal(rewired, felt(whole, swapped))
+    assert np.abs(rewired - straight)[:, 1].max() > 0.05 and (rewired[:, 0] == straight[:, 0]).all()
+    body.jam("elbow")
+    body.carry(0.3, "fore")
+    with pytest.raises(BodyError, match="motor lines 1 and 3 of 0 to 2"):
+        body.rewire(1, 3)
+    assert (felt(body, commands) != rewired).any()
+    body.mend()
+    np.testing.assert_array_equal(felt(body, commands), straight)
+    assert body.fingerprint == print_

@@ -41,6 +41,6 @@ def test_a_head_can_do_what_its_entry_says(name: str) -> None:
 def test_who_does_not_fit_is_told_who_does() -> None:
     with pytest.raises(BodyError, match="unknown robot with eyes 'hoap2-worn'; there are biclops, hoap2; did you mean"):
         head_of("hoap2-worn")
-    with pytest.raises(BodyError, match=r"^biclops: limb directions can be shown to hoap2, hoap2-worn only$"):
+    with pytest.raises(BodyError, match=r"^biclops: limb directions can be shown to hoap2, hoap2-worn, .* only$"):
         limbs_of("biclops", load_body("biclops").joints)
     assert limbs_of("mine.xml", load_body("hoap2").joints) is ROBOTS["hoap2"].limbs
