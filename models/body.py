@@ -177,10 +177,8 @@ class SimulatedBody:
         if body not in bodies or not 0 <= kg < np.inf:
             raise BodyError(f"{self.name}: {kg:g} kg on {body!r}: 0 kg or more, on one of {', '.join(bodies[1:])}")
         part = bodies.index(body)
-        self.batch.expand("body_mass")[copies, part] = self.model.body_mass[part] + kg
-        self.batch.expand("body_inertia")[copies, part] = (
-            self.model.body_inertia[part] + 0.4 * kg * ball_radius(kg) ** 2
-        )
+        for field, more in (("body_mass", kg), ("body_inertia", 0.4 * kg * ball_radius(kg) ** 2)):
+            self.batch.expand(field)[copies, part] = getattr(self.model, field)[part] + more
         self.batch.set_const()
 
     def rewire(self, first: int, second: int, copies: slice | IntArray = EVERY) -> None:

@@ -12,9 +12,6 @@ from models.files import checked
 from models.robots import Robot, find
 from models.wear import ball_radius
 
-FAR = 1e3
-"""rad; where a spring that is not there would begin."""
-
 
 def load_body(
     name_or_path: str | os.PathLike[str],
@@ -59,9 +56,7 @@ def load_body(
 
 
 def hung(robot: Robot) -> mujoco.MjSpec:
-    """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching nothing but the
-    springs and payloads of its entry.
-    """
+    """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching springs alone."""
     spec = mujoco.MjSpec.from_file(str(robot.path))
     free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
     if free:
@@ -81,7 +76,7 @@ def hung(robot: Robot) -> mujoco.MjSpec:
         for name, size, line in (("pole", 0.012, (0, 0, 0, 0, 0, top)), ("arm", 0.01, (0, 0, top, 0.09, 0, top))):
             stand.add_geom(name=f"stand_{name}", type=kind.mjGEOM_CAPSULE, size=(size, 0, 0), fromto=line, **look)
     for joint, spring in robot.springs.items():
-        ends = np.clip((spring.low, spring.high), -FAR, FAR)
+        ends = (spring.low, spring.high)
         spec.add_tendon(name=f"{joint}_spring", stiffness=spring.stiffness, springlength=ends).wrap_joint(joint, 1.0)
     for name, kg in robot.carries.items():
         held = spec.body(name)

@@ -54,5 +54,5 @@ class Spring:
     """An elastic stop: from `low` down and from `high` up (rad) it drives its joint back, N m/rad; between, nothing."""
 
     stiffness: float
-    low: float = -np.inf
-    high: float = np.inf
+    low: float = -1e3  # nowhere
+    high: float = 1e3

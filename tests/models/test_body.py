@@ -265,6 +265,9 @@ def test_a_payload_taken_up_is_the_payload_carried_from_birth() -> None:
     later.carry(0.2, "right_hand")
     np.testing.assert_allclose(felt(later, moves(later, 15)), felt(born, moves(born, 15)), atol=1e-4)  # a pulse
     assert np.abs(felt(later, moves(later, 15)) - fresh).max() > 0.01
+    for constant in ("dof_invweight0", "dof_M0"):  # what the solver takes from the masses has followed
+        model = later.batch.get_model(0)
+        np.testing.assert_allclose(getattr(model, constant), getattr(born.model, constant), rtol=1e-6)
     assert born.fingerprint != later.fingerprint
 
 

@@ -1,5 +1,7 @@
 """Bodies that are not a line: hysteresis by its laws, springs and payloads by their analytic torques."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
@@ -7,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from models.body import SimulatedBody
 from models.errors import BodyError
 from models.hoap2 import facts
-from models.loading import load_body
+from models.loading import compiled, load_body
 from models.robots import ROBOTS
-from models.wear import Wear
+from models.wear import Wear, ball_radius
 
 Array = NDArray[np.float64]
 PLAYS = Wear(1.0, (0.0, 0.1, 0.3), (0.5, 0.3, 0.2))
@@ -60,10 +63,29 @@ def test_equal_plays_are_one_play_and_one_is_a_clipped_gap() -> None:
         assert angle == at
 
 
-@pytest.mark.parametrize("widths, shares", [((0.1,), (0.5, 0.5)), ((-0.1,), (1.0,)), ((0.0, 0.1), (0.5, 0.6))])
+@pytest.mark.parametrize(
+    "widths, shares", [((0.1,), (0.5, 0.5)), ((-0.1,), (1.0,)), ((0.0, 0.1), (0.5, 0.6)), ((0.1, 0.0), (0.0, 1.0))]
+)
 def test_plays_that_are_none_are_refused(widths: tuple[float, ...], shares: tuple[float, ...]) -> None:
     with pytest.raises(BodyError, match="each width needs a share above 0, all shares make 1"):
         Wear(1.0, widths, shares)
+
+
+def test_springs_and_shares_make_another_body() -> None:
+    model = compiled(ROBOTS["hoap2-spring"])
+
+    def fingerprint(wear: Wear = PLAYS) -> str:
+        return SimulatedBody(model, name="h", wear=wear, threads=1).fingerprint
+
+    prints = [fingerprint(), fingerprint(replace(PLAYS, shares=(0.5, 0.2, 0.3)))]
+    model.tendon_stiffness[0] *= 1.01
+    prints.append(fingerprint())
+    model.tendon_lengthspring[0, 0] -= 0.01
+    assert len({*prints, fingerprint()}) == 4
+
+
+def test_a_kilogram_of_steel_is_a_ball_of_127_cm3() -> None:
+    assert 4 / 3 * np.pi * ball_radius(1.0) ** 3 == pytest.approx(127.4e-6, rel=1e-3)
 
 
 def torque(name: str, joint: str, fraction: float) -> float:
