@@ -51,6 +51,18 @@ class Experience:
         """Demonstrations of goal 1, 2, ..., of each copy."""
         return [[episode for episode in own if episode.goal == goal - 1] for own in self.episodes]
 
+    def fewer(self, demonstrations: int) -> "Experience":
+        """As if only so many of each goal had been watched."""
+        goals = range(1, len(self.maze.goals) + 1)
+        own = zip(*(self.towards(goal) for goal in goals), strict=True)
+        few = tuple(tuple(e for shown in mine for e in shown[:demonstrations]) for mine in own)
+        return Experience(self.body, self.forward_model, few)
+
+    def remembered(self, goal: int) -> tuple[IntArray, FloatArray]:
+        """(B, S) sub-goals by the acyclic rule and (B, S, A) P(a | s, g), of goal 1, 2, ..."""
+        successor = np.array([acyclic_subgoals(own, self.maze.cells).successor for own in self.towards(goal)])
+        return successor, np.array([own.action()[goal - 1] for own in self.priors])
+
     def teacher_steps(self, goal: int) -> float:
         """Mean steps of what was watched."""
         return float(np.mean([episode.steps for own in self.towards(goal) for episode in own]))
@@ -61,11 +73,11 @@ class Experience:
         """All imitate goal 1, 2, ..., each by what it watched itself: the acyclic rule and, unless told not to, its
         priors. They give up after `limit` steps, or `PATIENCE` times what the teacher needed.
         """
-        successor = np.array([acyclic_subgoals(own, self.maze.cells).successor for own in self.towards(goal)])
-        priors = np.array([own.action()[goal - 1] for own in self.priors]) if prior else None
+        successor, priors = self.remembered(goal)
         end, copies = self.maze.number(self.maze.goals[goal - 1]), self.body.copies
         states = places_of(self.maze)
-        one = Follower(self.forward_model, states, successor, end, priors, copies=copies, selection=selection)
+        told = priors if prior else None
+        one = Follower(self.forward_model, states, successor, end, told, copies=copies, selection=selection)
         return follow(self.body, one, rng=rng, limit=limit or int(PATIENCE * max(5.0, self.teacher_steps(goal))))
 
 

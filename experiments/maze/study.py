@@ -7,24 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from experiments.maze.figures import learning_curve, trials_figure
+from experiments.maze.changes import OWN_STEPS, changes
+from experiments.maze.figures import changes_figure, intent_figure, learning_curve, trials_figure
+from experiments.maze.intents import intents
 from experiments.maze.learning import walkers
 from experiments.maze.mind import (
     Experience,
-    half_for_the_first,
-    infer,
-    junctions,
     population,
-    step_likelihood,
-    watched,
 )
-from experiments.maze.planners import PATIENCE, Q_SETTINGS, RELIABLE
+from experiments.maze.peers import Q_SETTINGS
+from experiments.maze.planners import PATIENCE, RELIABLE
 from experiments.maze.trials import trials
 from experiments.shared.experiment import Result
 from experiments.shared.progress import Report
 from experiments.shared.tables import table
-from imitation.acting.follow import believed
-from models.maze import Maze, MazeBody, demonstrate
+from models.maze import Maze
 
 SEEDS = 150
 WALKS = 200  # unseen walks per goal
@@ -47,10 +44,14 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     metrics |= _imitation(population(maze, SEEDS, demonstrations, wander_steps, seed), seed)
     report(0.18)
     observers = population(maze, WALKS, demonstrations, wander_steps, seed + 1)
-    metrics |= _intent(observers, seed + 1, smoothing, lambda done: report(0.18 + 0.07 * done))
-    found, curves = trials(maze, seed, demonstrations, lambda done: report(0.25 + 0.75 * done))
-    metrics |= found
-    figures = {"trials": trials_figure(curves, RELIABLE)}
+    metrics |= intents(observers, seed + 1, smoothing, lambda done: report(0.18 + 0.07 * done))
+    found, curves = trials(maze, seed, demonstrations, lambda done: report(0.25 + 0.35 * done))
+    metrics |= found | changes(maze, seed, demonstrations, lambda done: report(0.6 + 0.4 * done))
+    figures = {
+        "trials": trials_figure(curves, RELIABLE),
+        "changes": changes_figure(metrics["changes"]),
+        "intent_early": intent_figure(metrics["intent_by_share"]),
+    }
     if len(curve.steps):
         figures["learning_curve_study"] = learning_curve(curve)
     return Result(metrics, _summary(metrics), figures)
@@ -75,49 +76,6 @@ def _imitation(imitators: Experience, seed: int) -> dict[str, Any]:
         }.items():
             found[name][selection][str(goal)] = float(value)
     return {**found, "imitation_seeds": imitators.body.copies, "teacher_steps": teacher}
-
-
-def _intent(observers: Experience, seed: int, smoothing: float, report: Report) -> dict[str, Any]:
-    """Each observer judges one unseen walk to each goal; the goal prior is uniform, as the walks are balanced."""
-    maze, goals, copies = observers.maze, len(observers.maze.goals), observers.body.copies
-    body = MazeBody(maze, copies=copies, seed=(seed, 24))
-    goal_priors = {"": np.full(goals, 1 / goals), "_uneven_prior": half_for_the_first(goals)}
-    crossing, tables = junctions(maze), believed(observers.forward_model)
-    rows: dict[str, list[float]] = defaultdict(list)
-    entropy: dict[str, list[float]] = {}
-    for goal in range(goals):
-        walks = demonstrate(body, goal + 1, np.random.default_rng([seed, 25, goal]))
-        for k, (walk, priors) in enumerate(zip(walks, observers.priors, strict=True)):
-            episode = watched(walk, maze)
-            likelihood = step_likelihood(maze, tables[k], episode)
-            at_junction = np.isin(episode.states[:-1], crossing)
-            for label, goal_prior in goal_priors.items():
-                seen = infer(priors, episode, goal_prior, smoothing)
-                places_alone = infer(priors, episode, goal_prior, smoothing, likelihood)
-                for name, belief in (
-                    ("filter", seen.filtered),
-                    ("filter_plain", seen.filtered_plain),
-                    ("step", seen.by_step),
-                    ("unseen_filter", places_alone.filtered),
-                    ("unseen_step", places_alone.by_step),
-                ):
-                    right = belief.probability.argmax(1) == goal
-                    accuracy = right.mean() if name.endswith("step") else right[-1]
-                    rows[f"intent_{name}_accuracy{label}"].append(accuracy)
-                    rows[f"intent_{name}_log_loss{label}"].append(-np.log2(belief.probability[:, goal]).mean())
-                    rows[f"intent_{name}_uninformed_steps{label}"].append(belief.uninformed_steps)
-                    if name == "step":
-                        rows[f"intent_step_end_accuracy{label}"].append(right[-1])
-                prior_name = "uneven" if label else "uniform"
-                for name in [prior_name, f"{prior_name}_goal_1"][: 2 if goal == 0 else 1]:
-                    entropy.setdefault(name, []).extend(seen.by_step.entropy[at_junction])
-            report((goal + (k + 1) / len(walks)) / goals)
-    return {
-        **{name: float(np.mean(values)) for name, values in rows.items()},
-        "intent_walks": goals * copies,
-        "junctions": [maze.place(cell) for cell in crossing],
-        "junction_entropy_bits": {name: float(np.mean(v)) if v else None for name, v in entropy.items()},
-    }
 
 
 def _summary(metrics: dict[str, Any]) -> str:
@@ -155,13 +113,35 @@ def _summary(metrics: dict[str, Any]) -> str:
         "steps observed for it": of("trials_imitation_observed_steps", ".0f"),
         "value iteration, walls known": of("trials_value_iteration", ""),
         "value iteration, walls found by replanning": of("trials_value_iteration_replanning", ""),
-        "value iteration, walls found by wandering": of("trials_value_iteration_discovered_walls", ""),
         f"Q-learning, best of {len(Q_SETTINGS)} settings": of("trials_q_learning", ""),
+        "the same, starting from the demonstrations": of("trials_q_learning_from_demonstrations", ""),
+        **{
+            f"arrive in time with no own step: {method}": joined(line, ".3f")
+            for method, line in m["trials_without_own_steps"].items()
+        },
     }
+    early = m["intent_by_share"]
+    seen = [0, 1, 2, 4, 6, 8, 9]  # of the shares
+    sooner = [(rule, *(f"{one['accuracy'][k]:.3f}" for k in seen)) for rule, one in early.items()]
+    heads = [f"{next(iter(early.values()))['share'][k]:.0%}" for k in seen]
+    changed = [
+        (world, method, "; ".join(
+            f"{steps:.0f}: {share:.3f} ({low:.2f} to {high:.2f})"
+            for steps, share, (low, high) in zip(one["own_steps"], one["share"], one["interval"], strict=True)))
+        for world, methods in m["changes"].items() for method, one in methods.items()
+    ]  # fmt: skip
     return f"""
 ## Study (numbers per goal: 1 / 2 / ...)
 
 {table(claims.items(), ("claim", "found"))}
 
 What the demonstrations supply is the map: imitation needs few steps of its own because somebody else found the way.
+
+## Where the maze changes ({OWN_STEPS} own steps and the demonstrations before; 95 % intervals)
+
+{table(changed, ("world", "who", "own steps in it: share that arrives in time"))}
+
+## Goal named rightly, by the share of the walk seen
+
+{table(sooner, ("rule", *heads))}
 """

@@ -1,32 +1,33 @@
-"""Trials until reliable: imitation, value iteration and Q-learning on one axis (the chapter's claim, quantified)."""
+"""Own steps until reliable: imitation and its peers on one axis (the chapter's claim, quantified)."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import FloatArray
 from experiments.maze.mind import population
+from experiments.maze.peers import MANY, Q_SETTINGS, best_acts, copied, q_learners, replayed
 from experiments.maze.planners import (
     PATIENCE,
-    Q_SETTINGS,
     RELIABLE,
-    Known,
     arrivals,
     least_steps,
-    q_learners,
-    replanners,
     steps_to_go,
     wanderers,
 )
+from experiments.maze.rerouting import Replanning, in_turn
 from experiments.shared.progress import Report
+from imitation.acting.follow import believed
 from models.maze import TRUE_DYNAMICS, Maze
 
 LEARNERS, EPISODES = 30, 10
-IMITATION_BUDGETS = (25, 50, 100, 200, 300, 500, 700, 1000)
-WANDER_BUDGETS = (*IMITATION_BUDGETS, 2000, 3000, 5000, 7000, 10_000, 20_000, 30_000, 50_000, 70_000, 100_000, 200_000)
-REPLAN_BUDGETS = (300, 500, 700, 1000, 1500, 2000, 3000)
+IMITATION_BUDGETS = (0, 25, 50, 100, 200, 300, 500, 700, 1000)
+WANDERED_FIRST, REPLANNED_WALKS = 300, 5
+"""Steps, then walks from the start, of those who find walls as they plan."""
+EARLY_Q_BUDGETS = (0, 100, 300, 1000, 3000)
+"""Of Q-learning that starts from demonstrations, before the others."""
 Q_BUDGETS = (10_000, 20_000, 30_000, 50_000, 70_000, 100_000, 150_000, 200_000, 300_000, 400_000)
 
 Curves = Mapping[str, Mapping[int, Mapping[int, float]]]
@@ -50,48 +51,60 @@ def trials(maze: Maze, seed: int, demonstrations: int, report: Report) -> tuple[
             curves["imitation"][goal][budget] = float(journey.reached.mean())
     report(0.04)
 
-    def evaluate(method: str, goal: int, budget: int, known: Known, lead: IntArray) -> None:
-        policy = steps_to_go(lead, known.tables, cells[goal]).argmin(-1)
-        arrived = arrivals(maze, cells[goal], policy, limits[goal], (seed, 26, goal, budget), EPISODES)
-        curves[method][goal][budget] = float(arrived.mean())
-
-    wandered = wanderers(maze, LEARNERS, WANDER_BUDGETS, seed + 3, lambda done: report(0.04 + 0.36 * done))
-    for budget, known in zip(WANDER_BUDGETS, wandered, strict=False):
-        for goal in goals:
-            if budget <= IMITATION_BUDGETS[-1]:
-                evaluate("value iteration, walls known", goal, budget, known, maze.lead[None])
-            if budget >= IMITATION_BUDGETS[-1]:
-                evaluate("value iteration, walls discovered", goal, budget, known, known.lead)
-        if all(reliable_from(curves["value iteration, walls discovered"][goal]) for goal in goals):
-            break
+    many = population(maze, 100, MANY, 0, seed + 6)
+    few = many.fewer(demonstrations)
     for goal in goals:
-        planned = replanners(maze, cells[goal], LEARNERS // 2, REPLAN_BUDGETS, seed + 4)
-        for budget, known in zip(REPLAN_BUDGETS, planned, strict=True):
-            evaluate("value iteration, replanning", goal, budget, known, known.lead)
-        report(0.4 + 0.15 * goal / len(goals))
-    share = _q_learning(maze, cells, limits, seed + 5, lambda done: report(0.55 + 0.45 * done))
-    enough = share >= RELIABLE
-    soon = np.where(enough.any(0), enough.argmax(0), len(share))
-    best: dict[str, str | None] = {}
-    for goal, chosen in zip(goals, np.lexsort((-share.sum(0), soon))[:, 0], strict=True):
-        best[str(goal)] = Q_SETTINGS[chosen].name if enough[:, goal - 1, chosen].any() else None
-        curves["Q-learning"][goal] = dict(zip(Q_BUDGETS, share[:, goal - 1, chosen].tolist(), strict=False))
-    report(1.0)
+        for method, policy in {
+            "copying": copied(few, goal),
+            f"cloning, {MANY} demonstrations": copied(many, goal, nearest=True),
+        }.items():
+            arrived = arrivals(maze, cells[goal], policy, limits[goal], (seed, 28, goal), EPISODES)
+            curves[method][goal][0] = float(arrived.mean())
+
+    wandered = wanderers(maze, LEARNERS, IMITATION_BUDGETS, seed + 3)
+    for budget, we in zip(IMITATION_BUDGETS, wandered, strict=True):
+        for goal in goals:
+            policy = steps_to_go(maze.lead, believed(we.model), cells[goal]).argmin(-1)
+            arrived = arrivals(maze, cells[goal], policy, limits[goal], (seed, 26, goal, budget), EPISODES)
+            curves["value iteration, walls known"][goal][budget] = float(arrived.mean())
+    for goal in goals:
+        (we,) = wanderers(maze, 2 * LEARNERS, (WANDERED_FIRST,), seed + 4)
+        for steps, hits in in_turn(Replanning(we, cells[goal]), maze, REPLANNED_WALKS, limits[goal], (seed, 29, goal)):
+            curves["value iteration, replanning"][goal][WANDERED_FIRST + round(steps)] = float(hits.mean())
+    report(0.3)
+    first = np.stack([replayed(few.towards(goal)[: LEARNERS // 2], maze.cells) for goal in goals], 1)
+    best: dict[str, dict[str, str | None]] = defaultdict(dict)
+    for method, budgets, values, done in (
+        ("Q-learning from demonstrations", (*EARLY_Q_BUDGETS, *Q_BUDGETS), first, 0.7),
+        ("Q-learning", Q_BUDGETS, None, 1.0),
+    ):
+        share = _q_learning(maze, cells, limits, seed + 5, budgets, values)
+        report(done)
+        enough = share >= RELIABLE
+        soon = np.where(enough.any(0), enough.argmax(0), len(share))
+        for goal, chosen in zip(goals, np.lexsort((-share.sum(0), soon))[:, 0], strict=True):
+            best[method][str(goal)] = Q_SETTINGS[chosen].name if enough[:, goal - 1, chosen].any() else None
+            curves[method][goal] = dict(zip(budgets, share[:, goal - 1, chosen].tolist(), strict=False))
     until = {
         method: {str(goal): reliable_from(line) for goal, line in lines.items()} for method, lines in curves.items()
     }
     own, other = until["imitation"], until["Q-learning"]
-    ratio = {g: None if a is None or (b := other[g]) is None else b / a for g, a in own.items()}
+    ratio = {g: None if not a or (b := other[g]) is None else b / a for g, a in own.items()}
     return {
         "trials_imitation": own,
         "trials_imitation_observed_steps": {str(goal): float(np.mean([o[goal] for o in observed])) for goal in goals},
         "trials_value_iteration": until["value iteration, walls known"],
-        "trials_value_iteration_discovered_walls": until["value iteration, walls discovered"],
         "trials_value_iteration_replanning": until["value iteration, replanning"],
         "trials_q_learning": until["Q-learning"],
+        "trials_q_learning_from_demonstrations": until["Q-learning from demonstrations"],
+        "trials_without_own_steps": {
+            method: {str(goal): line[0] for goal, line in lines.items()}
+            for method, lines in curves.items()
+            if all(0 in line for line in lines.values())
+        },
         "trials_q_learning_over_imitation": ratio,
         "trials_q_learning_settings": [setting.name for setting in Q_SETTINGS],
-        "trials_q_learning_best": best,
+        "trials_q_learning_best": best["Q-learning"],
         "trials_limit_steps": {str(goal): steps for goal, steps in limits.items()},
         "trials_least_steps": {str(goal): steps for goal, steps in least.items()},
         "trials_reliable_share": RELIABLE,
@@ -105,19 +118,23 @@ def trials(maze: Maze, seed: int, demonstrations: int, report: Report) -> tuple[
 
 
 def _q_learning(
-    maze: Maze, goals: Mapping[int, int], limits: Mapping[int, int], seed: int, report: Report
+    maze: Maze,
+    goals: Mapping[int, int],
+    limits: Mapping[int, int],
+    seed: int,
+    budgets: Sequence[int],
+    first: FloatArray | None,
 ) -> FloatArray:
     """(budgets, goals, settings) share in time: learning ends when for every goal a setting is reliable."""
     share = []
-    policies = q_learners(maze, np.array(list(goals.values())), LEARNERS // 2, Q_BUDGETS, seed)
-    for budget, learned in zip(Q_BUDGETS, policies, strict=False):
+    policies = q_learners(maze, np.array(list(goals.values())), LEARNERS // 2, budgets, seed, first)
+    for budget, learned in zip(budgets, policies, strict=False):
         now = [
             [arrivals(maze, goal, policy, limits[g], (seed, 27, g, budget, k), EPISODES).mean()
              for k, policy in enumerate(own)]
-            for (g, goal), own in zip(goals.items(), learned, strict=True)
+            for (g, goal), own in zip(goals.items(), best_acts(learned), strict=True)
         ]  # fmt: skip
         share.append(now)
-        report(budget / Q_BUDGETS[-1])
         if (np.array(share).max((0, 2)) >= RELIABLE).all():
             break
     return np.array(share)

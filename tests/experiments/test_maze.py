@@ -22,20 +22,14 @@ from experiments.maze.mind import (
     teach,
     watched,
 )
-from experiments.maze.planners import (
-    Q_SETTINGS,
-    Explorers,
-    arrivals,
-    least_steps,
-    q_learners,
-    replanners,
-    steps_to_go,
-    wanderers,
-)
+from experiments.maze.peers import Q_SETTINGS, best_acts, q_learners
+from experiments.maze.planners import arrivals, least_steps, steps_to_go, wanderers
+from experiments.maze.rerouting import Replanning, in_turn
 from experiments.maze.run import Config, run
 from experiments.maze.study import study
-from experiments.maze.trials import IMITATION_BUDGETS, reliable_from
+from experiments.maze.trials import reliable_from
 from experiments.shared.experiment import as_json
+from imitation.acting.follow import believed
 from imitation.deferred import StepMemory
 from imitation.episodes import Episode
 from imitation.inference.priors import ActionPriors
@@ -259,13 +253,13 @@ def test_junctions_are_where_shortest_ways_part():
 
 def test_value_iteration_is_exact_where_it_can_be_checked():
     maze = parse_maze(TINY)
-    sure = steps_to_go(maze.lead[None], np.eye(5)[None], maze.number(maze.goals[1]))
+    sure = steps_to_go(maze.lead, np.eye(5)[None], maze.number(maze.goals[1]))
     distance = maze.distances(maze.goals[1])
     away = np.arange(maze.cells) != maze.number(maze.goals[1])
     assert (sure[0].min(-1)[away] == distance[away]).all()
     goal = maze.number(maze.goals[2])
     expected = least_steps(maze, TRUE_DYNAMICS, goal)
-    policy = steps_to_go(maze.lead[None], TRUE_DYNAMICS[None], goal).argmin(-1)
+    policy = steps_to_go(maze.lead, TRUE_DYNAMICS[None], goal).argmin(-1)
     body = MazeBody(maze, copies=4000, seed=2)
     body.reset()
     steps, here = np.zeros(4000), body.cell
@@ -276,32 +270,16 @@ def test_value_iteration_is_exact_where_it_can_be_checked():
     assert steps.mean() == pytest.approx(expected, rel=0.03)
 
 
-def test_walls_are_known_from_both_sides_once_felt():
-    maze = parse_maze(TINY)
-    explorers = Explorers(maze, 2, (0,))
-    places = np.array([maze.place(cell) for cell in range(maze.cells)])
-    everywhere = np.repeat(np.hstack([places, maze.blocked[:, :4]])[:, None].astype(float), 2, 1)
-    explorers.feel(everywhere[:5])  # the lowest row only
-    lead = explorers.known.lead
-    assert (lead[0, :5] == maze.lead[:5]).all()
-    assert (lead[0, 5:10, 2] == maze.lead[5:10, 2]).all(), "one row's north is the next row's south"
-    explorers.feel(everywhere)
-    assert (explorers.known.lead == maze.lead).all()
-
-
 def test_baselines_become_reliable_in_a_small_maze():
     maze = parse_maze(TINY)
     goal = maze.number(maze.goals[2])
-    budgets = (500, 1500)
-    for known in (
-        list(wanderers(maze, 6, budgets, 0, lambda done: None))[-1],
-        list(replanners(maze, goal, 6, budgets, 0))[-1],
-    ):
-        policy = steps_to_go(known.lead, known.tables, goal).argmin(-1)
-        assert arrivals(maze, goal, policy, 60, (1,), 20).mean() > 0.95
+    (we,) = wanderers(maze, 6, (500,), 0)
+    policy = steps_to_go(maze.lead, believed(we.model), goal).argmin(-1)
+    assert arrivals(maze, goal, policy, 60, (1,), 20).mean() > 0.95
+    assert np.mean([hits for _, hits in in_turn(Replanning(we, goal), maze, 6, 60, (1,))][2:]) > 0.9
     (learned,) = q_learners(maze, np.array([goal]), 4, (8000,), 0)
-    assert learned.shape == (1, len(Q_SETTINGS), 4, maze.cells)
-    best = max(arrivals(maze, goal, learned[0, k], 60, (2,), 20).mean() for k in range(len(Q_SETTINGS)))
+    assert best_acts(learned).shape == (1, len(Q_SETTINGS), 4, maze.cells)
+    best = max(arrivals(maze, goal, policy, 60, (2,), 20).mean() for policy in best_acts(learned)[0])
     assert best > 0.95
 
 
@@ -323,11 +301,13 @@ def test_a_small_study_measures_every_claim(text, monkeypatch):
     small = {"CURVE_STEPS": 600, "CURVE_WALKERS": 5, "SEEDS": 4, "WALKS": 3}
     budgets = {
         "LEARNERS": 4,
-        "WANDER_BUDGETS": IMITATION_BUDGETS,
+        "IMITATION_BUDGETS": (0, 100, 1000),
+        "EARLY_Q_BUDGETS": (0, 100),
         "Q_BUDGETS": (300, 600),
-        "REPLAN_BUDGETS": (300, 350),
+        "REPLANNED_WALKS": 2,
     }
-    for module, values in (("study", small), ("trials", budgets)):
+    changing = {"SEEDS": 2, "LEARNERS": 3, "WALKS": 2, "Q_STEPS": (0, 100)}
+    for module, values in (("study", small), ("trials", budgets), ("changes", changing)):
         for name, value in values.items():
             monkeypatch.setattr(f"experiments.maze.{module}.{name}", value)
     maze, told = parse_maze(text), []
@@ -343,5 +323,12 @@ def test_a_small_study_measures_every_claim(text, monkeypatch):
     assert set(found.metrics["forward_model_tv"]) == set(found.metrics["forward_model_tv_bound"])
     for rule in ("filter", "step", "unseen_filter", "unseen_step"):
         assert 0 <= found.metrics[f"intent_{rule}_accuracy"] <= 1 and found.metrics[f"intent_{rule}_log_loss"] >= 0
+    for world, methods in found.metrics["changes"].items():
+        assert ("imitation" in methods) == (world != "wall moved" or text == TINY)
+        for one in methods.values():
+            low, high = np.transpose(one["interval"])
+            assert (low <= one["share"]).all() and (one["share"] <= high).all() and len(one["by_seed"][0]) == len(low)
+    for one in found.metrics["intent_by_share"].values():
+        assert len(one["accuracy"]) == 10 and 0 <= min(one["accuracy"]) <= max(one["accuracy"]) <= 1
     assert "NaN" not in as_json(found.metrics) and "trials" in found.figures
     assert sorted(told) == told and told[-1] == pytest.approx(1.0)
