@@ -49,7 +49,7 @@ def run(config: Config) -> Result:
         experience = look_into_mirror(options, found, config.mirror_minutes, report=report)
     blurry = blur(experience, config)
     clean, noisy = (
-        Pupil(body, found, image_of(one, options, found), noise)
+        Pupil(body, found, image_of(one, options, found), noise, config.parts == "named")
         for one, noise in ((experience, 0.0), (blurry, config.seeing_noise_deg))
     )
     rng = np.random.default_rng([config.seed, 14])
@@ -140,6 +140,7 @@ def measure(done: Studied) -> dict[str, Any]:
             "learned_noisy_deg": row.error_deg(row.noisy),
             "unreachable_frames": int((~row.oracle.found.reachable).sum()),
             "frames": len(row.clean.angles),
+            **{kind: (share + row.noisy.recognised[kind]) / 2 for kind, share in row.clean.recognised.items()},
             "speed_q999": max(float(np.quantile(who.speeds(tick_s), 0.999)) for who in (row.clean, row.noisy)),
         }
         for name, row in done.rows.items()
@@ -160,6 +161,8 @@ def measure(done: Studied) -> dict[str, Any]:
         "sub_goal_speed_max": float(max(one.max() for one in speeds)),
         "correspond_p50_ms": float(np.median(per_frame)),
         "correspond_worst_ms": float(max(per_frame)),
+        "parts_right_share": column["parts_right_share"].mean(),
+        "parts_alike_share": column["parts_alike_share"].mean(),
         "organ_identification_rate": acts.rate,
         "first_try_error_deg": float(np.median(acts.errors_deg[:, 1])),
         "last_try_error_deg": float(np.median(acts.errors_deg[:, -1])),

@@ -49,7 +49,7 @@ def run(config: Config) -> Result:
                 mirrored = look_into_mirror(config, mind.pilot, config.mirror_minutes, noise_deg, report)
                 image = image_of(mirrored, config, mind.pilot)
         learned.metrics.update(mirror_body_minutes=image.minutes, mirror_wall_s=time.perf_counter() - started)
-        pupil = Pupil(body, mind.pilot, image, noise_deg)
+        pupil = Pupil(body, mind.pilot, image, noise_deg, config.parts == "named")
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
         movement = Movement(seen.movement.name, body.tick_s, body.sensations(found.angles))
         seen = replace(seen, movement=movement, angles=found.angles, learned=found)

@@ -8,7 +8,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray
 from babbling.body_image import BodyImage, learn_image
-from babbling.mirroring import MirrorExperience, mirror_babble
+from babbling.mirroring import MirrorExperience, angles_between, mirror_babble
 from babbling.organs import find_organs
 from babbling.pilot import Pilot
 from experiments.errors import ExperimentError
@@ -17,9 +17,10 @@ from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, at_ticks
 from experiments.shared.watching import Seen
 from imitation.correspondence.correspondence import correspond
+from imitation.correspondence.likeness import recognised
 from models.body import SimulatedBody
 from models.mirror import Mirror, blurred
-from models.teachers.performance import Performance
+from models.teachers.performance import Performance, touching
 
 COPIES = 64
 
@@ -49,12 +50,14 @@ def image_of(experience: MirrorExperience, options: BodyOptions, pilot: Pilot) -
 
 @dataclass(frozen=True, eq=False)
 class Pupil:
-    """Who sees teachers with a learned body image; it sees with noise, `noise_deg` across the line of sight."""
+    """Who sees teachers with a learned body image; it sees with noise, `noise_deg` across the line of sight. Unless
+    their parts are `named` as its own, it has to recognise them."""
 
     body: SimulatedBody
     pilot: Pilot
     image: BodyImage
     noise_deg: float = 0.0
+    named: bool = True
 
     def look(self, directions: FloatArray, rng: np.random.Generator) -> FloatArray:
         """(..., 3) directions as they are seen."""
@@ -74,11 +77,24 @@ class Pupil:
         for part, away in (hidden or {}).items():
             visible[part] = ~away
             seen[part] = np.where(away[:, None], np.nan, seen[part])
+        taken = {part: part for part in image.parts if part in seen} if self.named else self.recognise(seen, rng)
+        seen = {own: seen[it] for own, it in taken.items()}
+        visible = {own: visible[it] for own, it in taken.items() if it in visible}
         speed = body.sense_high[self.pilot.schema.rate]
         found = correspond(image, performance.name, seen, body.tick_s, speed, visible)
         angles = self.angles(found.postures)
         shown = Mirror(body).shown(angles)[:, [image.parts.index(part) for part in found.parts]]
-        return Retargeted(found, angles, shown, np.stack([teacher[part] for part in found.parts], 1))
+        meant = {part: teacher.get(part, teacher[taken[part]]) for part in found.parts}
+        apart = {part: np.rad2deg(angles_between(meant[part], teacher[it]).max()) for part, it in taken.items()}
+        mistaken = {part: float(away) for part, away in apart.items() if taken[part] != part}
+        return Retargeted(found, angles, shown, np.stack([*meant.values()], 1), mistaken)
+
+    def recognise(self, seen: Mapping[str, FloatArray], rng: np.random.Generator) -> dict[str, str]:
+        """Own part -> the part of (T, 3) `seen` that is taken for it; they are shown in any order, without names."""
+        theirs = [list(seen)[number] for number in rng.permutation(len(seen))]
+        looks, tick_s = np.stack([seen[part] for part in theirs], 1), self.body.tick_s
+        found = recognised(self.image, looks, tick_s, rng, touching(theirs))
+        return {self.image.parts[own]: theirs[number] for own, number in sorted(found.items())}
 
     def angles(self, postures: FloatArray) -> FloatArray:
         """(T, J) joint angles in the body's order for (T, F) postures, for those who judge."""
@@ -119,4 +135,5 @@ def correspondence_metrics(seen: Seen, tick_s: float) -> dict[str, Any]:
         "sub_goal_speed_q999": float(np.quantile(pace, 0.999)),
         "sub_goal_speed_max": float(pace.max()),
         "correspond_p50_ms": 1e3 * learned.found.seconds / len(learned.angles),
+        **learned.recognised,
     }

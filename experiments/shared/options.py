@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from inspect import get_annotations
 from math import inf
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, dataclass_transform, get_args, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, dataclass_transform, get_args, get_type_hints
 
 import tyro
 
@@ -141,6 +141,9 @@ class MirrorOptions(WiredOptions):
     for the learned correspondence."""
     mirror_minutes: Annotated[float, within(0, 600, above=True)] = MIRROR_MINUTES
     """Body-minutes in front of the mirror."""
+    parts: Literal["named", "unnamed"] = "named"
+    """Whether a teacher's parts come under the names of one's own, or shuffled and without names: then only which of
+    them touch is seen, and which is which is found by the learned body image."""
 
 
 @options

@@ -4,7 +4,8 @@ HOAP-2's directions come from Pinocchio. A body of hinges is met exactly by the 
 (`babbling.body_image`), so three looks per joint say all: nothing else differs between the oracle and who learned.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 
@@ -24,6 +25,8 @@ from models.teachers.performance import Performance, unit
 REST = np.deg2rad([90.0 * joint.endswith("arm_joint_1") for joint in JOINTS])
 """Where joints stay that nothing seen decides: arms hanging, all else at zero."""
 SPEED = np.array([SPEED_LIMIT[joint_class(joint)] for joint in JOINTS])
+ALIKE_DEG = 3.0
+"""Parts that never point further apart than this may be taken for each other: both thighs of somebody who stands."""
 FROM_LOOKS = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
 """Weights of 1, sin and 1 - cos out of values at -90, 0 and 90 degrees."""
 
@@ -40,6 +43,8 @@ class Retargeted:
     angles: FloatArray
     shown: FloatArray
     teacher: FloatArray
+    mistaken_deg: Mapping[str, float] = field(default_factory=dict)
+    """Parts that were taken for others of the teacher's, and how far these differed at most."""
 
     @property
     def error_deg(self) -> FloatArray:
@@ -50,6 +55,13 @@ class Retargeted:
     def error_deg_by_part(self) -> dict[str, float]:
         """Part -> its mean error."""
         return dict(zip(self.found.parts, self.error_deg.mean(0).tolist(), strict=True))
+
+    @property
+    def recognised(self) -> dict[str, float]:
+        """Share of parts taken for what they are, and of those or others that pointed within ALIKE_DEG all the time."""
+        away, count = self.mistaken_deg.values(), len(self.found.parts)
+        unlike = sum(one > ALIKE_DEG for one in away)
+        return {"parts_right_share": 1 - len(away) / count, "parts_alike_share": 1 - unlike / count}
 
     def speeds(self, tick_s: float) -> FloatArray:
         """(T - 1, J) of the sub-goals, rad/s."""

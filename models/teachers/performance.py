@@ -5,13 +5,13 @@ body parts are the in-between format from which any body with limbs can imitate 
 intermodal mapping; Meltzoff and Moore 1997, and Figure 9 of Rao, Shon and Meltzoff 2007).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
-from models.arrays import FloatArray
+from models.arrays import BoolArray, FloatArray
 from models.errors import BodyError
 
 SIDES = ("left", "right")
@@ -19,6 +19,8 @@ LIMB_PARTS = ("upper_arm", "forearm", "thigh", "shank", "foot")
 PARTS: tuple[str, ...] = (*(f"{side}_{part}" for side in SIDES for part in LIMB_PARTS), "head", "trunk")
 """Body parts with a direction: upper arm and forearm point to the hand, thigh and shank to the foot, the foot to its
 toes, the head along its nose, and the trunk is the pelvis' upward axis (so that bending at the waist shows)."""
+BEGINS_AT: Mapping[str, str] = MappingProxyType({"forearm": "upper_arm", "shank": "thigh", "foot": "shank"})
+"""Part of a limb -> the one at whose end it begins."""
 
 
 class TeacherError(BodyError):
@@ -68,6 +70,13 @@ def unit(vectors: FloatArray) -> FloatArray:
     if not (length > 1e-12).all():
         raise TeacherError("a body part has no length, so it points nowhere; check the teacher's landmarks")
     return np.asarray(vectors / length)
+
+
+def touching(parts: Sequence[str]) -> BoolArray:
+    """(P, P) whether one of two parts begins where the other ends: who looks at them sees that."""
+    inner = {f"{side}_{part}": f"{side}_{one}" for side in SIDES for part, one in BEGINS_AT.items()}
+    hangs = np.array([[inner.get(part) == one for one in parts] for part in parts])
+    return np.asarray(hangs | hangs.T)
 
 
 def upright_frame(left: FloatArray, up: FloatArray) -> FloatArray:

@@ -23,6 +23,7 @@ from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, retarget
 from models.body import SimulatedBody
 from models.teachers.anatomy import BodyPoses, perform
+from models.teachers.cmu import perform_amc
 from models.teachers.performance import Performance
 from models.teachers.performing import joint_motion, perform_motion
 from models.teachers.robots import load
@@ -78,6 +79,22 @@ def test_as_near_as_inverse_kinematics(
     assert beyond_oracle(learned, oracle) <= allowed
     pace = np.abs(np.diff(learned.angles, axis=0)) / 0.02
     assert np.quantile(pace, 0.999) <= 5.0
+
+
+@pytest.mark.parametrize("clip", [None, "02_01.amc"])
+def test_without_names_it_is_imitated_all_the_same(
+    quick: None, found: dict[int | None, Pilot], clip: str | None, request: pytest.FixtureRequest
+) -> None:
+    """What is taken for another part pointed alike all the time, so the movement is the same."""
+    seen = perform_motion("icub", joint_motion("icub-reach"))
+    if clip:
+        seen = perform_amc(request.getfixturevalue("cmu") / clip)
+    image = image_of(look_into_mirror(BodyOptions(), found[None], 5.0), BodyOptions(), found[None])
+    pupil = Pupil(body_of(BodyOptions(), 1), found[None], image, named=False)
+    learned = pupil.follow(seen, np.random.default_rng(0))
+    assert learned.recognised["parts_alike_share"] == 1
+    assert clip is None or learned.recognised["parts_right_share"] == 1
+    assert beyond_oracle(learned, retarget(seen)) <= 0.3
 
 
 def changed(poses: BodyPoses, scale: float, heading: NDArray[np.float64], way: NDArray[np.float64]) -> BodyPoses:
