@@ -1,14 +1,14 @@
 """Figures of `imitate gesture`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from experiments.gesture.found import Performed
 from experiments.shared.figures import learning_curve
 from experiments.shared.judging import LearningCurve
-from experiments.shared.palette import OURS, PLAIN, THEIRS
+from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 
 def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
@@ -20,20 +20,24 @@ def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
 
 
 def imitation(done: Performed, metrics: Mapping[str, float]) -> Figure:
-    """The joints that move most: demonstrated, imitated, replayed; and what either missed by."""
+    """Limb directions against the teacher's; the joints that move most: sub-goals, imitated, replayed, and errors."""
     chosen = done.busiest[:4]
     time = np.arange(len(done.seen.angles)) * done.body.tick_s
-    figure = Figure(figsize=(11, 8), layout="constrained")
-    axes = figure.subplots(len(chosen), 2, sharex=True, width_ratios=(1.5, 1), squeeze=False)
+    figure = Figure(figsize=(11, 9), layout="constrained")
+    below: Figure | SubFigure = figure
+    if done.seen.oracle is not None:
+        top, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 3))[:, 0]
+        limbs(top, done, done.seen.oracle.found.parts)
+    axes = below.subplots(len(chosen), 2, sharex=True, width_ratios=(1.5, 1), squeeze=False)
     for (left, right), joint in zip(axes, chosen, strict=True):
         wanted = np.rad2deg(done.seen.angles[:, joint])
         for values, colour, label, width in (
             (np.rad2deg(done.replayed[:, joint]), PLAIN, "replayed", 1.0),
-            (wanted, THEIRS, "demonstrated", 2.6),
+            (wanted, THEIRS, "sub-goals", 2.6),
             (np.rad2deg(done.imitated[:, joint]), OURS, "imitated", 1.1),
         ):
             left.plot(time, values, color=colour, label=label, lw=width)
-            if label != "demonstrated":
+            if label != "sub-goals":
                 right.plot(time, values - wanted, color=colour, lw=0.9)
         left.set_ylabel(f"{done.body.joints[joint]}\n[deg]", fontsize=8)
         right.axhline(0, color="black", lw=0.4)
@@ -42,12 +46,31 @@ def imitation(done: Performed, metrics: Mapping[str, float]) -> Figure:
     axes[0, 1].set_title("error [deg]")
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
-    figure.suptitle(
-        f"RMSE over all joints: imitated {metrics['joint_rmse_deg']:.3f} deg, "
-        f"direct replay {metrics['direct_replay_rmse_deg']:.3f} deg",
-        fontsize=11,
+    told = (
+        f"RMSE of all joints against sub-goals: imitated {metrics['joint_rmse_deg']:.3f} deg, "
+        f"direct replay {metrics['direct_replay_rmse_deg']:.3f} deg"
     )
+    if done.seen.oracle is not None:
+        told = (
+            f"limb directions off by {metrics['limb_error_deg']:.2f} deg, where this body's joints allow no less than "
+            f"{metrics['limb_reachable_deg']:.2f}; slowed {metrics['slowed_factor']:.2f} times\n{told}"
+        )
+    figure.suptitle(told, fontsize=11)
     return figure
+
+
+def limbs(figure: SubFigure, done: Performed, parts: Sequence[str]) -> None:
+    """How far off the teacher's the limbs point: through time, and part by part."""
+    left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
+    time = np.arange(len(done.imitated)) * done.body.tick_s
+    shown = {"replayed": PLAIN, "imitated": OURS, "least": DARK}
+    for number, (who, colour) in enumerate(shown.items()):
+        error = done.limb_errors_deg[who]
+        left.plot(time, error.mean(1), color=colour, label=who.replace("least", "the joints' limit"), lw=1.1)
+        right.bar(np.arange(error.shape[1]) + 0.27 * (number - 1), error.mean(0), 0.27, color=colour)
+    left.set_title("limb directions off the teacher's [deg]")
+    left.legend(frameon=False, ncols=3, fontsize=8)
+    right.set_xticks(range(len(parts)), [part.replace("_", " ") for part in parts], rotation=90, fontsize=6)
 
 
 def body_schema(done: Performed) -> Figure:

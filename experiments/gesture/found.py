@@ -1,16 +1,22 @@
 """What one run of `imitate gesture` produced, for its figures and its recording."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from babbling.mirroring import angles_between
 from experiments.gesture.options import Config
 from experiments.shared.minds import Learned
+from experiments.shared.oracle import at_ticks
 from experiments.shared.watching import Seen
 from imitation.acting.loop import Attempt
+from imitation.acting.movement import slowed
 from models.body import SimulatedBody
+from models.mirror import Mirror
+from models.teachers.performance import unit
 
 
 @dataclass(frozen=True)
@@ -30,6 +36,29 @@ class Performed:
     def imitated(self) -> FloatArray:
         """(T, J) true joint angles of the last attempt."""
         return self.attempts[-1].truth[:, 0]
+
+    @cached_property
+    def limb_errors_deg(self) -> dict[str, FloatArray]:
+        """Who -> (T, P) degrees between where the body points and where the teacher pointed, at the imitation's pace;
+        "steadied": imitated, against what the imitator took the teacher to show; "least": see `Retargeted.best_deg`.
+        Nothing when joint angles were given."""
+        oracle, teacher, frames = self.seen.oracle, self.seen.teacher, len(self.imitated)
+        if oracle is None or teacher is None:
+            return {}
+        mirror, showed, took = (
+            Mirror(self.body),
+            at_ticks(teacher, self.body.tick_s),
+            (self.seen.learned or oracle).found,
+        )
+        wanted = {part: showed[part][:frames] for part in oracle.found.parts}
+        steadied = dict(zip(took.parts, unit(slowed(took.wanted, self.seen.slowed)).swapaxes(0, 1), strict=True))
+        compared = {"imitated": (self.imitated, wanted), "replayed": (self.replayed, wanted)}
+        compared |= {"line": (self.peer.truth[:, 0], wanted), "steadied": (self.imitated, steadied)}
+        found = {"least": slowed(oracle.best_deg, self.seen.slowed).clip(0)}
+        for who, (angles, aims) in compared.items():
+            shown = mirror.shown(angles)[:, [mirror.parts.index(part) for part in aims]]
+            found[who] = np.rad2deg(angles_between(shown, np.stack([*aims.values()], 1)))
+        return found
 
     @property
     def factors(self) -> NDArray[np.intp]:

@@ -8,7 +8,7 @@ import rerun.blueprint as rrb
 
 from experiments.gesture.found import Performed
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
+from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import (
     heat_map,
     log_bars,
@@ -28,16 +28,19 @@ def record(path: Path, done: Performed, summary: str) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
     name = f"{done.seen.movement.name} by {done.config.robot}, seed {done.config.seed}"
-    with recording(path, "imitate-gesture", name, layout(joints), summary) as stream:
+    with recording(path, "imitate-gesture", name, layout(joints, bool(done.limb_errors_deg)), summary) as stream:
         _log_world(stream, done)
         _log_joints(stream, done)
         _log_beliefs(stream, done)
         _log_babbling(stream, done)
 
 
-def layout(joints: list[str]) -> rrb.Horizontal:
-    """3D left; joint angles, posterior, correction right; summary."""
+def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
+    """3D left; limb directions if a teacher showed them, joint angles, posterior, correction right; summary."""
     angles = [rrb.TimeSeriesView(name=joint, origin=f"/joints/{joint}") for joint in joints[:2]]
+    if limbs:
+        angles[1:] = [rrb.TimeSeriesView(name="limb directions off the teacher's [deg]", origin="/limbs")]
+        angles.reverse()
     angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
     beliefs = [
         rrb.BarChartView(name=f"P(action) {joints[0]}", origin=f"/belief/{joints[0]}/posterior"),
@@ -62,7 +65,7 @@ def layout(joints: list[str]) -> rrb.Horizontal:
 
 
 def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
-    tick, model, performance = done.body.tick_s, done.body.model, done.seen.performance
+    tick, model, performance = done.body.tick_s, done.body.model, done.seen.teacher
     log_imitator(stream, parts(model, done.body.configurations(done.imitated)), tick)
     if performance is None:
         shown = parts(model, done.body.configurations(done.seen.angles))
@@ -74,15 +77,25 @@ def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
 def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
     tick = done.body.tick_s
     for j, joint in enumerate(done.body.joints):
-        for name, values, colour, width in (
-            ("replayed", done.replayed, REPLAYED, 1.0),
-            ("demonstrated", done.seen.angles, DEMONSTRATED, 3.0),
-            ("imitated", done.imitated, IMITATED, 1.5),
+        for name, said, values, colour, width in (
+            ("replayed", "replayed", done.replayed, REPLAYED, 1.0),
+            ("demonstrated", "sub-goals", done.seen.angles, DEMONSTRATED, 3.0),
+            ("imitated", "imitated", done.imitated, IMITATED, 1.5),
         ):
-            log_series(stream, f"joints/{joint}/{name}", np.rad2deg(values[:, j]), tick, name, colour, width)
+            log_series(stream, f"joints/{joint}/{name}", np.rad2deg(values[:, j]), tick, said, colour, width)
     for name, values, colour in (("imitated", done.imitated, IMITATED), ("replayed", done.replayed, REPLAYED)):
         error = np.rad2deg(np.sqrt(np.mean((values - done.seen.angles) ** 2, axis=1)))
         log_series(stream, f"error/{name}", error, tick, f"{name}, root mean square of all joints [deg]", colour)
+    shown = {
+        "replayed": ("replayed", REPLAYED),
+        "least": ("the joints' limit", ESTIMATED),
+        "imitated": ("imitated", IMITATED),
+    }
+    for name, (said, colour) in shown.items():
+        if name in done.limb_errors_deg:
+            log_series(
+                stream, f"limbs/{name}", done.limb_errors_deg[name].mean(1), tick, f"{said}, mean of parts", colour
+            )
 
 
 def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:

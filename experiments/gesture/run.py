@@ -2,7 +2,6 @@
 
 import sys
 import time
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -16,16 +15,18 @@ from experiments.gesture.options import Config
 from experiments.gesture.recording import record
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
-from experiments.shared.judging import rmse_deg
+from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
-from imitation.acting.movement import Movement
 from imitation.acting.rehearsal import EAGERNESS, best_eagerness
 from imitation.inference.inverse import LinearInverse
+
+MOVES = np.deg2rad(1.0)
+"""A joint whose sub-goals range over more moves."""
 
 
 def run(config: Config) -> Result:
@@ -51,8 +52,7 @@ def run(config: Config) -> Result:
         learned.metrics.update(mirror_body_minutes=image.minutes, mirror_wall_s=time.perf_counter() - started)
         pupil = Pupil(body, mind.pilot, image, noise_deg, config.parts == "named")
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
-        movement = Movement(seen.movement.name, body.tick_s, body.sensations(found.angles))
-        seen = replace(seen, movement=movement, angles=found.angles, learned=found)
+        seen = seen.learning(found, body)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])
@@ -67,9 +67,11 @@ def run(config: Config) -> Result:
 
 
 def measure(done: Performed) -> dict[str, Any]:
-    """The numbers of metrics.json."""
+    """The numbers of metrics.json; the headline is `limb_error_deg`, errors of joints are against the sub-goals."""
     config, body, seen, learned, last = done.config, done.body, done.seen, done.learned, done.attempts[-1]
     error = np.rad2deg(done.imitated - seen.angles)
+    by_joint, ringing = np.sqrt(np.mean(error**2, axis=0)), ringing_deg(done.imitated - seen.angles)
+    moving = np.ptp(seen.angles, axis=0) > MOVES
     labels = [body.sense_labels[sense] for sense in learned.mind.pilot.schema.posture]
     right = np.mean([label == joint for label, joint in zip(labels, body.motor_labels, strict=True)])
     select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in done.attempts])
@@ -81,8 +83,17 @@ def measure(done: Performed) -> dict[str, Any]:
         "seed": config.seed,
         "frames": len(seen.angles),
         "tick": body.tick_s,
+        **limb_metrics(done),
         "joint_rmse_deg": float(np.sqrt(np.mean(error**2))),
-        "joint_rmse_deg_by_joint": dict(zip(body.joints, np.sqrt(np.mean(error**2, axis=0)).tolist(), strict=True)),
+        "joint_rmse_deg_by_joint": dict(zip(body.joints, by_joint.tolist(), strict=True)),
+        "worst_joint": body.joints[int(by_joint.argmax())],
+        "worst_joint_deg": float(by_joint.max()),
+        "largest_error_deg": float(np.abs(error).max()),
+        "moving_joints_rmse_deg": float(np.sqrt(np.mean(error[:, moving] ** 2))) if moving.any() else 0.0,
+        "ringing_deg": float(np.median(ringing)),
+        "ringing_worst_deg": float(ringing.max()),
+        "approach_error_deg": rmse_deg(last.approach[:, 0], last.way[:, 0, done.factors]),
+        "slowed_factor": seen.slowed,
         "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in done.attempts],
         "direct_replay_rmse_deg": rmse_deg(done.replayed, seen.angles),
         "linear_peer_rmse_deg": rmse_deg(done.peer.truth[:, 0], seen.angles),
@@ -100,18 +111,50 @@ def measure(done: Performed) -> dict[str, Any]:
     }
 
 
+def limb_metrics(done: Performed) -> dict[str, Any]:
+    """Where the body really pointed, against where the teacher did: means over parts and frames; null when joint angles
+    were given. limb_reachable_deg: see `Retargeted.best_deg`. demonstration_changed_deg (the most) and its mean: see
+    `Retargeted.changed_deg`."""
+    away, oracle = done.limb_errors_deg, done.seen.oracle
+    if oracle is None:
+        return {"limb_error_deg": None, "limb_reachable_deg": None, "demonstration_changed_deg": 0.0}
+    changed = (done.seen.learned or oracle).changed_deg
+    return {
+        "limb_error_deg": float(away["imitated"].mean()),
+        "limb_reachable_deg": float(away["least"].mean()),
+        "limb_error_steadied_deg": float(away["steadied"].mean()),
+        "limb_error_deg_by_part": dict(zip(oracle.found.parts, away["imitated"].mean(0).tolist(), strict=True)),
+        "direct_replay_limb_error_deg": float(away["replayed"].mean()),
+        "linear_peer_limb_error_deg": float(away["line"].mean()),
+        "demonstration_changed_deg": float(changed.max(initial=0)),
+        "demonstration_changed_mean_deg": float(changed.mean()) if len(changed) else 0.0,
+    }
+
+
 def summarise(metrics: dict[str, Any], seen: Seen) -> str:
     """The result as a markdown table."""
     deg = {key: f"{value:.4f} deg" for key, value in metrics.items() if isinstance(value, float)}
-    rows = [
-        (f"joint error, imitated (attempt {len(metrics['attempts_rmse_deg'])})", deg["joint_rmse_deg"]),
+    changed = f"{metrics['demonstration_changed_deg']:.2f} deg ({metrics.get('demonstration_changed_mean_deg', 0):.2f})"
+    rows = []
+    if seen.oracle is not None:
+        rows = [
+            ("limb directions, executed against the teacher's", deg["limb_error_deg"]),
+            ("the same, against its steadied ones", deg["limb_error_steadied_deg"]),
+            ("the least that this body's joints allow", deg["limb_reachable_deg"]),
+            ("limb directions, direct replay", deg["direct_replay_limb_error_deg"]),
+            ("the demonstration was changed by at most (mean)", changed),
+        ]
+    rows += [
+        ("slowed for the servos", f"{metrics['slowed_factor']:.2f} times as long"),
+        (
+            f"joint error against sub-goals, imitated (attempt {len(metrics['attempts_rmse_deg'])})",
+            deg["joint_rmse_deg"],
+        ),
         ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
+        (f"worst joint ({metrics['worst_joint']})", deg["worst_joint_deg"]),
+        ("on the way into the movement", deg["approach_error_deg"]),
         ("joint error, direct replay", deg["direct_replay_rmse_deg"]),
         ("joint error, linear inverse model in the same loop", deg["linear_peer_rmse_deg"]),
-        (
-            "limb directions off, inverse kinematics (what this body cannot do included)",
-            f"{metrics['retarget_error_deg']:.2f} deg",
-        ),
     ]
     if seen.learned is not None:
         both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"

@@ -25,6 +25,12 @@ def rmse_deg(reached: FloatArray, wanted: FloatArray) -> float:
     return float(np.rad2deg(np.sqrt(np.mean(away**2))))
 
 
+def ringing_deg(error: FloatArray) -> FloatArray:
+    """(J,) how far an error e (T, J), rad, shakes from tick to tick, peak to peak as a sine wave of its strength:
+    2 sqrt(2) RMS(second difference of e / 4). Slow errors hardly count."""
+    return np.asarray(2 * np.sqrt(2 * np.mean((np.diff(np.rad2deg(error), 2, axis=0) / 4) ** 2, axis=0)))
+
+
 def interval_95(hits: int, count: int) -> tuple[float, float]:
     """Exact 95 % interval of a share (Clopper and Pearson 1934)."""
     found = binomtest(hits, count).proportion_ci(0.95, "exact")

@@ -35,8 +35,9 @@ FROM_LOOKS = np.array([[0.0, 1.0, 0.0], [-0.5, 0.0, 0.5], [0.5, -1.0, 0.5]])
 class Retargeted:
     """A teacher's movement that went through a correspondence, learned or the oracle's, for those who judge.
 
-    angles (T, J): the sub-goals in the body's own joint order, rad. shown (T, P, 3): where the body really points with
-    them; teacher (T, P, 3): where the teacher pointed; both in the order of found.parts.
+    Frames are the teacher's own; `found.slowed` says how much slower the body is to take them. angles (T, J): the
+    sub-goals in the body's own joint order, rad. shown (T, P, 3): where the body really points with them; teacher
+    (T, P, 3): where the teacher pointed; both in the order of found.parts.
     """
 
     found: Corresponded
@@ -65,7 +66,21 @@ class Retargeted:
 
     def speeds(self, tick_s: float) -> FloatArray:
         """(T - 1, J) of the sub-goals, rad/s."""
-        return np.asarray(np.abs(np.diff(self.angles, axis=0)) / tick_s)
+        return np.asarray(np.abs(np.diff(self.angles, axis=0)) / (self.found.slowed * tick_s))
+
+    @property
+    def best_deg(self) -> FloatArray:
+        """(T, P) the oracle's alone, the limit of HOAP-2's joints: what the posture found for a frame by itself, as if
+        there were time to reach it, misses of the steadied directions. Among postures MARGIN inside the ranges it is
+        the most probable path's, which weighs a limb's inner parts above its outer ones."""
+        return np.rad2deg(angles_between(_pointing(self.found.chosen, self.found.parts), self.found.wanted))
+
+    @property
+    def changed_deg(self) -> FloatArray:
+        """By how much what can be shown (reachable parts and frames) was turned on the way to sub-goals: steadying and
+        smoothing, added up."""
+        turned = angles_between(self.found.wanted, self.teacher) + self.found.moved
+        return np.rad2deg(turned[self.found.reachable])
 
     def mean_error_deg(self, where: BoolArray) -> float:
         """Mean over the parts and frames (T, P) named; 0 for none."""
@@ -77,9 +92,13 @@ def retarget(performance: Performance, dt: float = 0.02) -> Retargeted:
     """HOAP-2's angles for a performance, one frame every `dt` seconds; joints in the order of JOINTS."""
     teacher = at_ticks(performance, dt)
     found = correspond(known_image(), performance.name, teacher, dt, SPEED)
-    places = [list(SEGMENTS).index(part) for part in found.parts]
-    shown = directions(found.postures)[:, places]
+    shown = _pointing(found.postures, found.parts)
     return Retargeted(found, found.postures, shown, np.stack([teacher[part] for part in found.parts], 1))
+
+
+def _pointing(angles: FloatArray, parts: tuple[str, ...]) -> FloatArray:
+    """(T, P, 3) where these parts of HOAP-2 point."""
+    return np.asarray(directions(angles)[:, [list(SEGMENTS).index(part) for part in parts]])
 
 
 def at_ticks(performance: Performance, tick_s: float) -> dict[str, FloatArray]:

@@ -1,14 +1,15 @@
 """Watching: a demonstration, by name or from a file, becomes a movement in the imitator's own senses."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from experiments.shared.oracle import Retargeted, retarget
-from imitation.acting.movement import Movement
+from imitation.acting.movement import Movement, slowed
+from imitation.correspondence.smooth_path import SLOWEST, within_speed
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.hoap2.facts import JOINTS
@@ -26,22 +27,42 @@ class Seen:
     movement: Movement
     angles: FloatArray
     """(T, J) demonstrated joint angles in the body's own order, rad."""
-    performance: Performance | None
+    slowed: float
+    """How many times as long as demonstrated the movement takes, so that the servos keep up."""
+    performance: Performance | None = None
     """The teacher as it was seen; None when joint angles were given directly."""
-    oracle: Retargeted | None
+    oracle: Retargeted | None = None
     """What inverse kinematics makes of the teacher; None when joint angles were given directly."""
     learned: Retargeted | None = None
     """What the learned correspondence made of it; None where inverse kinematics or joint angles were taken."""
     remarks: tuple[str, ...] = ()
     """What of a teacher did not correspond or was missing, a line each."""
 
+    @property
+    def teacher(self) -> Performance | None:
+        """The teacher at the pace at which it is imitated."""
+        return self.performance and replace(self.performance, time=self.performance.time * self.slowed)
+
+    @classmethod
+    def paced(cls, name: str, angles: FloatArray, factor: float, body: SimulatedBody) -> "Seen":
+        """Joint angles (T, J), one a tick, to be taken `factor` times as slowly."""
+        angles = np.clip(slowed(angles, factor), *body.joint_range.T)
+        if 1 < factor < SLOWEST:  # the spline may swing beyond sharp corners
+            angles = within_speed(angles, fastest(body))
+        return cls(Movement(name, body.tick_s, body.sensations(angles)), angles, factor)
+
+    def learning(self, found: Retargeted, body: SimulatedBody) -> "Seen":
+        """The same, with what the learned correspondence makes of it as sub-goals."""
+        paced = self.paced(self.movement.name, found.angles, found.found.slowed, body)
+        return replace(paced, performance=self.performance, oracle=self.oracle, learned=found, remarks=self.remarks)
+
 
 def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -> Seen:
     """See a demonstration with this body's eyes.
 
-    Joint trajectories (.csv, .npz) are taken as they are; teachers (built-in, .amc) through limb directions and the
-    identity correspondence of the chapter (inverse kinematics on HOAP-2); so is a URDF that performs `motion`, the
-    joint angles in a file.
+    Joint trajectories (.csv, .npz) are taken as they are, but slower where the servos would not keep up; teachers
+    (built-in, .amc) through limb directions and the identity correspondence of the chapter (inverse kinematics on
+    HOAP-2); so is a URDF that performs `motion`, the joint angles in a file.
 
     Raises:
         BodyError: an unknown name, a broken file, joints this body does not have.
@@ -52,7 +73,7 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
     if suffix in FORMATS:
         ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
         trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints).resampled(body.tick_s)
-        return Seen(_felt(trajectory, body), trajectory.angles, None, None)
+        return Seen.paced(trajectory.name, trajectory.angles, in_time(trajectory.angles, body), body)
     performance, remarks = watch_urdf(demonstration, motion) if suffix == ".urdf" else (perform(demonstration), ())
     try:
         limbs_of(body.name, body.joints)
@@ -62,11 +83,22 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
     oracle = retarget(performance, body.tick_s)
     time = np.arange(len(oracle.angles), dtype=float) * body.tick_s
     trajectory = JointTrajectory(performance.name, time, JOINTS, oracle.angles).reordered(body.joints)
-    return Seen(_felt(trajectory, body), trajectory.angles, performance, oracle, remarks=remarks)
+    paced = Seen.paced(performance.name, trajectory.angles, oracle.found.slowed, body)
+    return replace(paced, performance=performance, oracle=oracle, remarks=remarks)
 
 
-def _felt(trajectory: JointTrajectory, body: SimulatedBody) -> Movement:
-    return Movement(trajectory.name, body.tick_s, body.sensations(trajectory.angles))
+def fastest(body: SimulatedBody) -> FloatArray:
+    """(J,) how far each joint can go within a tick, as the ranges of its speed senses have it."""
+    return np.asarray(body.senses.read(body.sense_high, "speed") * body.tick_s)
+
+
+def in_time(angles: FloatArray, body: SimulatedBody) -> float:
+    """How many times as long the body needs for joint angles (T, J), one a tick: 1 to SLOWEST."""
+    factor, over = 1.0, np.inf
+    while over > 1 and factor < SLOWEST:
+        over = float((np.abs(np.diff(slowed(angles, factor), axis=0)) / fastest(body)).max())
+        factor = min(1.001 * over * factor, SLOWEST) if over > 1 else factor
+    return factor
 
 
 def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tuple[str, ...]]:

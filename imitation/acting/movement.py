@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from babbling.axes import FloatArray, fixed
 from babbling.schema import BodySchema
@@ -37,6 +38,14 @@ class Movement:
             factor = int(np.argwhere(np.isnan(postures).any(0))[0, 0])
             raise ImitationError(f"{self.name}: nothing was seen for the posture that motor {factor} moves")
         return postures
+
+
+def slowed(frames: FloatArray, factor: float) -> FloatArray:
+    """Frames (T, ...) of a movement that takes `factor` times as long: the spline through them, at as many a second."""
+    if factor == 1:
+        return frames
+    time = np.arange(int((len(frames) - 1) * factor + 1e-9) + 1) / factor
+    return np.asarray(CubicSpline(np.arange(len(frames)), frames, axis=0)(time))
 
 
 def approach(start: FloatArray, goals: FloatArray, tick_s: float, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -33,17 +33,21 @@ LEAST_TRUST = 0.02
 class Corresponded:
     """A movement that was seen, as postures of one's own.
 
-    postures: (T, F). parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. reachable: (T, P')
-    whether a posture comes within REACHABLE of what is wanted, time left aside. noise: (P',) seeing noise per axis,
-    rad. chosen: (T, n) of each limb, before smoothing. seconds: processor time it took, all threads together.
+    postures: (T, F), one for every frame that was seen. slowed: how many times as long the body needs for them, 1 if it
+    keeps up. parts: the P' parts that correspond. wanted: (T, P', 3) steadied directions. reachable: (T, P') whether a
+    posture comes within REACHABLE of what is wanted, time left aside. moved: (T, P') by how much smoothing turned what
+    is shown, as the body image has it, rad. noise: (P',) seeing noise per axis, rad. chosen: (T, F), before smoothing.
+    seconds: processor time it took, all threads together.
     """
 
     postures: FloatArray
+    slowed: float
     parts: tuple[str, ...]
     wanted: FloatArray
     reachable: BoolArray
+    moved: FloatArray
     noise: FloatArray
-    chosen: Mapping[tuple[str, ...], FloatArray]
+    chosen: FloatArray
     seconds: float
 
 
@@ -83,8 +87,8 @@ def correspond(
         part: steady(f"{name}: {part}", seen[part], (visible or {}).get(part, np.ones(count, bool))) for part in parts
     }
     postures = np.tile(image.rest, (count, 1))
-    reachable = np.zeros((count, len(parts)), bool)
-    chosen: dict[tuple[str, ...], FloatArray] = {}
+    reachable, moved, slowed = np.zeros((count, len(parts)), bool), np.zeros((count, len(parts))), 1.0
+    chosen = postures.copy()
     for limb in own_limbs(image.moves):
         here = {p: miss for p, miss in zip(limb.parts, limb.tolerances, strict=True) if image.parts[p] in steadied}
         if not here:
@@ -96,18 +100,20 @@ def correspond(
         doubt = np.array([steadied[part].doubt for part in names])
         precision = 1 / (doubt**2 + np.array([*here.values()]) ** 2)
         weights = trust * precision / precision.max()
-        chosen[names] = angles = choose(view, wanted, weights, doubt)
-        shown, _ = view.directions(angles, np.arange(count))
+        chosen[:, limb.factors] = angles = choose(view, wanted, weights, doubt)
+        shown, _ = view.directions(angles, rows := np.arange(count))
         near = angles_between(shown, wanted) < REACHABLE
-        reachable[:, [parts.index(part) for part in names]] = near
-        postures[:, limb.factors] = smooth_path(
-            view, angles, weights, near & (trust == 1), doubt, speed[limb.factors], tick_s
-        )
+        places = [parts.index(part) for part in names]
+        smooth, longer = smooth_path(view, angles, weights, near & (trust == 1), doubt, speed[limb.factors], tick_s)
+        reachable[:, places], moved[:, places] = near, angles_between(view.directions(smooth, rows)[0], shown)
+        postures[:, limb.factors], slowed = smooth, max(slowed, longer)
     return Corresponded(
         postures,
+        slowed,
         parts,
         np.stack([steadied[part].directions for part in parts], 1),
         reachable,
+        moved,
         np.array([steadied[part].noise for part in parts]),
         chosen,
         time.process_time() - started,

@@ -9,11 +9,14 @@ inside the range of the senses, p(t) the postures found. m makes the second term
 it also carries a limb smoothly through postures in which a sense changes nothing that is seen, and PULL keeps it from
 swinging far out there. h grows where a direction that can be shown is moved by more than TUBE; c grows until the speed
 limit holds, and what is left is cut. Gauss-Newton on a banded system.
+
+Where that would cut the shape, the movement is slowed: by the least factor at which no direction that can be shown is
+moved by more than CUT, or by what is in doubt of it. A leap, which the slowest would not follow, is cut all the same.
 """
 
 import numpy as np
 from scipy.linalg import solveh_banded
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, binary_opening
 
 from babbling.axes import BoolArray, FloatArray
 from imitation.correspondence.inversion import LimbView
@@ -23,8 +26,13 @@ CUT_OFF_HZ = 8.0
 """Limbs of humans move more slowly than this."""
 TUBE, PROMISE = np.deg2rad(0.15), np.deg2rad(0.2)
 """Directions that can be shown are held as hard as it takes to stay this near; further off than PROMISE goes on."""
+CUT = np.deg2rad(1.0)
 SPEED_SHARE = 0.96
 """Share of the speed limit that sub-goals use."""
+SLOWEST, HALVINGS = 4.0, 7
+"""No movement is slowed by more, and the factor is found to a hundredth."""
+LEAP = 2
+"""Longest leap, ticks: what is too fast for longer is a movement."""
 HURRY = 5
 """Ticks before and after a sense at its speed limit in which directions may come early or late."""
 PULL = 1e-5
@@ -39,17 +47,53 @@ def smooth_path(
     doubt: FloatArray,
     speed: FloatArray,
     tick_s: float,
-) -> FloatArray:
-    """Smooth postures (T, n).
+) -> tuple[FloatArray, float]:
+    """Smooth postures (T, n), and by how much slower than they were seen they are to be taken: 1 to SLOWEST.
 
     weights (T, S): of squared errors; holding (T, S): directions that can be shown and were seen; doubt (S,):
     what is not known of them anyway, rad; speed (n,): rad/s.
     """
-    rows = np.arange(len(start))
+    limit = SPEED_SHARE * speed * tick_s
+    hurry = (np.abs(np.diff(start, axis=0)) / limit).max(1)
+    leaping, rows = hurry > SLOWEST, np.arange(len(start))
+    leaps = np.flatnonzero(leaping & ~binary_opening(leaping, np.ones(LEAP + 1)))
+    away_from = np.abs(rows[:, None] - leaps - 0.5) > HURRY + hurry[leaps] / 2  # a leap takes time before and after
+    kept = holding & away_from.all(1)[:, None]
     found, _ = view.directions(start, rows)
+
+    def slower(factor: float) -> tuple[FloatArray, bool]:
+        angles = _limited(view, start, found, weights, holding, doubt, factor * limit, tick_s)
+        away = np.linalg.norm(view.directions(angles, rows)[0] - found, axis=2)
+        return angles, bool((away - np.maximum(CUT, PROMISE + 1.5 * doubt))[kept].max(initial=-1) <= 0)
+
+    angles, whole = slower(1.0)
+    if whole:
+        return angles, 1.0
+    (angles, _), least, most = slower(SLOWEST), 1.0, SLOWEST
+    for _ in range(HALVINGS):
+        factor = float(np.sqrt(least * most))
+        trial, whole = slower(factor)
+        if whole:
+            angles, most = trial, factor
+        else:
+            least = factor
+    return angles, most
+
+
+def _limited(
+    view: LimbView,
+    start: FloatArray,
+    found: FloatArray,
+    weights: FloatArray,
+    holding: BoolArray,
+    doubt: FloatArray,
+    limit: FloatArray,
+    tick_s: float,
+) -> FloatArray:
+    """Smooth postures (T, n) for `found` directions, of steps up to `limit` (n,)."""
+    rows = np.arange(len(start))
     hold = np.sqrt(weights)
     bending = (2 * np.sin(np.pi * CUT_OFF_HZ * tick_s)) ** -6
-    limit = SPEED_SHARE * speed * tick_s
     tube, promise = TUBE + doubt, PROMISE + 1.5 * doubt
     angles, brake = start, 1.0
     for _ in range(ROUNDS):
@@ -64,7 +108,7 @@ def smooth_path(
         hold = np.where(held, np.maximum(hold * away / tube, hold / 2), hold)
         hold = np.clip(hold, np.sqrt(weights), 1e6)
         brake *= 5 if excess.max() >= 0.01 else 1
-    return _within_speed(angles, limit)
+    return within_speed(angles, limit)
 
 
 def _descend(
@@ -141,7 +185,7 @@ def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: BoolAr
     return flat
 
 
-def _within_speed(angles: FloatArray, step: FloatArray) -> FloatArray:
+def within_speed(angles: FloatArray, step: FloatArray) -> FloatArray:
     """The movement nearest in the largest difference that moves at most `step` (n,) per frame."""
     above, below = angles.copy(), angles.copy()
     for order in (range(1, len(angles)), range(len(angles) - 2, -1, -1)):

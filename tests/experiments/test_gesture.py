@@ -11,8 +11,15 @@ import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 
+from babbling.mirroring import angles_between
 from experiments.__main__ import main
+from experiments.shared.oracle import at_ticks
+from experiments.shared.watching import watch
+from models.hoap2.facts import JOINTS as HOAP2
+from models.hoap2.kinematics import directions
+from models.loading import load_body
 from models.motion import read_motion
+from models.teachers.performing import perform
 
 KEYS = {
     "joint_rmse_deg",
@@ -30,6 +37,7 @@ KEYS = {
     "uninformed_selections",
     "seed",
 }
+WITHOUT_MIRROR = ("--correspondence", "ik", "--babbling-minutes", "0.2")
 JOINTS = ("shoulder", "elbow", "wrist")
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -86,6 +94,59 @@ def test_the_error_can_be_recomputed_from_the_recording(done: Path) -> None:
         assert np.sqrt(np.mean(e**2)) == pytest.approx(told["joint_rmse_deg_by_joint"][joint], abs=1e-4)
     replay = [seen[f"/joints/{j}/replayed"] - seen[f"/joints/{j}/demonstrated"] for j in JOINTS]
     assert np.sqrt(np.mean(np.square(replay))) == pytest.approx(told["direct_replay_rmse_deg"], abs=1e-4)
+
+
+def test_every_other_figure_of_joints_can_be_had_again_too(done: Path) -> None:
+    told, seen = metrics(done), series(done / "recording.rrd")
+    goals = np.stack([seen[f"/joints/{j}/demonstrated"] for j in JOINTS], 1)
+    error = np.stack([seen[f"/joints/{j}/imitated"] for j in JOINTS], 1) - goals
+    by_joint = np.sqrt(np.mean(error**2, axis=0))
+    assert told["worst_joint"] == JOINTS[by_joint.argmax()]
+    assert told["worst_joint_deg"] == pytest.approx(by_joint.max(), abs=1e-4)
+    assert told["largest_error_deg"] == pytest.approx(np.abs(error).max(), abs=1e-4)
+    assert told["moving_joints_rmse_deg"] == pytest.approx(told["joint_rmse_deg"])  # all of them move
+    assert told["ringing_worst_deg"] >= told["ringing_deg"] > 0
+    assert told["approach_error_deg"] < 0.2
+    assert told["slowed_factor"] == 1 and told["demonstration_changed_deg"] == 0 and told["limb_error_deg"] is None
+
+
+@pytest.mark.parametrize("faster", [2.0, 3.0])
+def test_a_movement_too_fast_is_slowed_and_keeps_its_shape(
+    arm: Path, hasty: None, tmp_path: Path, faster: float
+) -> None:
+    """Joint angles at that many times the speed limit of 5 rad/s."""
+    t = np.arange(0, 0.6, 0.002)
+    angles = np.stack([0.5 * np.sin(10 * faster * t), 0.8 + 0 * t, 0 * t], 1)
+    path = tmp_path / "fast.csv"
+    rows = [",".join(map(repr, (moment, *row))) for moment, row in zip(t.tolist(), angles.tolist(), strict=True)]
+    path.write_text("\n".join(["time,shoulder,elbow,wrist", *rows]) + "\n")
+    body = load_body(arm)
+    seen = watch(str(path), body)
+    assert seen.slowed == pytest.approx(faster, rel=0.01)
+    assert np.abs(np.diff(seen.angles, axis=0)).max() <= 5 * body.tick_s
+    late = np.arange(len(seen.angles)) * body.tick_s / seen.slowed
+    assert late[-1] <= t[-1] < late[-1] + 2 * body.tick_s
+    np.testing.assert_allclose(seen.angles[:, 0], 0.5 * np.sin(10 * faster * late), atol=0.02)
+    np.testing.assert_array_equal(body.sensations(seen.angles), seen.movement.senses)
+
+
+def test_the_headline_is_where_the_body_points_against_the_teacher(hasty: None, tmp_path: Path) -> None:
+    """Once more by other means: recorded angles, Pinocchio's kinematics, the teacher's own directions (a whole run of
+    the robot with limbs, so it takes a while)."""
+    out = tmp_path / "squat"
+    assert main(["gesture", "--demonstration", "g1-squat", *WITHOUT_MIRROR, "--out", str(out)]) == 0
+    told, seen = metrics(out), series(out / "recording.rrd")
+    assert told["slowed_factor"] == 1
+    showed = np.stack([way for way in at_ticks(perform("g1-squat"), 0.02).values()], 1)
+    for who, key in (("imitated", "limb_error_deg"), ("replayed", "direct_replay_limb_error_deg")):
+        angles = np.deg2rad(np.stack([seen[f"/joints/{joint}/{who}"] for joint in HOAP2], 1))
+        away = np.rad2deg(angles_between(directions(angles), showed))
+        assert told[key] == pytest.approx(away.mean(), abs=1e-3)
+        np.testing.assert_allclose(seen[f"/limbs/{who}"], away.mean(1), atol=1e-3)
+    assert told["limb_error_deg"] == pytest.approx(np.mean([*told["limb_error_deg_by_part"].values()]))
+    assert told["limb_error_deg"] < told["limb_reachable_deg"] + 0.1 < told["direct_replay_limb_error_deg"]
+    assert 0 < told["demonstration_changed_mean_deg"] < told["demonstration_changed_deg"] < 1
+    assert told["limb_error_steadied_deg"] == pytest.approx(told["limb_error_deg"], abs=0.05)  # seen without noise
 
 
 def test_what_was_demonstrated_is_the_file_at_fifty_hertz(done: Path, wave: Path) -> None:

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from babbling.mirroring import angles_between
 from experiments.shared.oracle import SPEED, Retargeted, known_image, retarget
+from imitation.acting.movement import slowed
 from imitation.correspondence.correspondence import MARGIN
 from imitation.correspondence.inversion import LimbView, choose
 from imitation.correspondence.limbs import own_limbs
+from imitation.correspondence.smooth_path import SLOWEST
 from models.hoap2.facts import JOINTS, RANGES_DEG
 from models.hoap2.kinematics import directions
 from models.motion import JointTrajectory
@@ -66,12 +68,12 @@ def case(request: pytest.FixtureRequest) -> tuple[Performance, Retargeted]:
     return shown(str(folder / f"{request.param}.amc"))
 
 
-def hurried(result: Retargeted) -> np.ndarray:
-    """(T, P) whether a joint of the part's limb works at its speed limit nearby, so that it comes early or late."""
+def leaping(result: Retargeted) -> np.ndarray:
+    """(T, P) whether a joint of the part's limb, found frame by frame, leaps nearby."""
     late = np.zeros(result.error_deg.shape, bool)
-    fast = np.abs(np.diff(result.angles, axis=0, prepend=result.angles[:1])) / DT > 0.955 * SPEED
+    fast = np.abs(np.diff(result.found.chosen, axis=0, prepend=result.found.chosen[:1])) / DT > SLOWEST * 0.95 * SPEED
     for limb in own_limbs(known_image().moves):
-        near = np.convolve(fast[:, limb.factors].any(1), np.ones(13), "same") > 0
+        near = np.convolve(fast[:, limb.factors].any(1), np.ones(21), "same") > 0
         late[:, [result.found.parts.index(PARTS[part]) for part in limb.parts]] = near[:, None]
     return late
 
@@ -105,12 +107,13 @@ def test_directions_of_reachable_postures_are_recovered() -> None:
 @given(st.integers(0, 2**31))
 @settings(max_examples=3, deadline=None)
 def test_slow_movements_come_back(seed: int) -> None:
-    """HOAP-2 is shown a slow movement of its own through random postures: it shows the same directions."""
+    """HOAP-2 is shown a slow movement of its own through random postures: it shows the same directions (an arm may lose
+    its way for a moment where it is stretched out)."""
     keys = JointTrajectory("keys", 2.5 * np.arange(5.0), JOINTS, postures(5, seed, share=0.6))
     inside = np.clip(keys.resampled(DT).angles, LOW + MARGIN, HIGH - MARGIN)
     result = retarget(shows(inside), DT)
     limbs = [NUMBER[part] for part in PARTS if "foot" not in part]
-    assert result.error_deg[:, limbs].mean() < 0.1
+    assert result.error_deg[:, limbs].mean() < 0.3
     assert np.percentile(result.error_deg[:, limbs], 95) < 0.6
 
 
@@ -122,18 +125,17 @@ def test_limits_are_kept(case: tuple[Performance, Retargeted]) -> None:
     angles = result.angles
     assert seen.time[-1] - DT < DT * (len(angles) - 1) <= seen.time[-1] + 1e-9
     assert (angles >= LOW + MARGIN - 1e-9).all() and (angles <= HIGH - MARGIN + 1e-9).all()
-    assert (np.abs(np.diff(angles, axis=0)) / DT <= SPEED).all()
+    assert (result.speeds(DT) <= SPEED).all()
+    assert (np.abs(np.diff(slowed(angles, result.found.slowed), axis=0)) / DT <= 1.03 * SPEED).all()
     assert (angles[:, [JOINTS.index(f"{side}_arm_joint_5") for side in ("left", "right")]] == 0).all()
 
 
 def test_smoothing_moves_no_reachable_direction_by_more_than_a_degree(case: tuple[Performance, Retargeted]) -> None:
-    """Where no joint is at its speed limit; and away from such places nothing is late either."""
+    """But where a limb leaps from one way of showing it to another."""
     _, result = case
-    free = result.found.reachable & ~hurried(result)
-    chosen = result.angles.copy()
-    for limb in own_limbs(known_image().moves):
-        chosen[:, limb.factors] = result.found.chosen[tuple(PARTS[part] for part in limb.parts)]
-    moved = np.rad2deg(angles_between(directions(chosen), result.shown))
+    free = result.found.reachable & ~leaping(result)
+    moved = np.rad2deg(angles_between(directions(result.found.chosen), result.shown))
+    np.testing.assert_allclose(moved, np.rad2deg(result.found.moved), atol=0.1)
     assert (moved[free] <= 1).all()
     assert (np.rad2deg(angles_between(result.shown, result.found.wanted))[free] <= 6).all()
 
@@ -156,7 +158,7 @@ def test_errors_are_those_that_others_measure(case: tuple[Performance, Retargete
 def test_built_in_demonstrations_are_within_reach(name: str) -> None:
     _, result = shown(name)
     assert result.found.reachable.all()
-    assert not hurried(result).any()
+    assert result.found.slowed == 1
     assert result.error_deg.mean() < 0.15
     feet = np.array(["foot" in part for part in PARTS])
     assert result.error_deg[:, feet].max() < 3 and result.error_deg[:, ~feet].max() < 1
@@ -209,17 +211,20 @@ def test_what_is_out_of_reach_is_reported() -> None:
     assert np.ptp(result.angles[:, others], axis=0).max() == 0
 
 
-def test_what_is_too_fast_comes_early_and_late() -> None:
-    """An elbow that bends 90 deg at once takes as long as its speed limit asks, shared before and after."""
+@pytest.mark.parametrize("seconds", [0.2, 0.4])
+def test_what_is_too_fast_is_slowed(seconds: float) -> None:
+    """An elbow that bends by 90 deg in so short a time: as long as its limit of 5 rad/s asks, and the shape is kept."""
     time = np.arange(0, 3, DT)
-    bend = np.deg2rad(np.where(time < 1.5, 10, 100))
+    r = np.clip((time - 1.5) / seconds, 0, 1)
+    bend = np.deg2rad(10 + 90 * r**3 * (10 - 15 * r + 6 * r * r))
     angles = standing(len(time), left_arm_joint_2=np.deg2rad(45) + 0 * time, left_arm_joint_4=-bend)
     result = retarget(shows(angles, "left_upper_arm", "left_forearm"), DT)
-    assert (np.abs(np.diff(result.angles, axis=0)) / DT).max() <= 5
-    late = result.error_deg[:, 1] > 5
-    assert 0.25 < late.sum() * DT < np.deg2rad(90) / 5 + 0.2
-    assert not late[:50].any() and not late[-50:].any()
-    assert result.error_deg[:, 0].max() < 10
+    assert result.found.slowed == pytest.approx(15 / 8 * np.deg2rad(90) / seconds / 5, rel=0.12)
+    assert result.speeds(DT).max() <= 5
+    assert result.error_deg.max() < 1.3 and result.error_deg[:60].max() < 0.2 > result.error_deg[-50:].max()
+    held = slowed(result.angles, result.found.slowed)
+    assert len(held) == int(149 * result.found.slowed + 1e-9) + 1
+    assert (np.abs(np.diff(held, axis=0)) / DT).max() <= 5
 
 
 def test_a_fast_movement_stays_fast() -> None:

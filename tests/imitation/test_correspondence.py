@@ -88,7 +88,7 @@ def test_speed_limit_is_kept_where_a_teacher_is_too_fast() -> None:
     q = movement()
     q[75:] = q[75] + 1.0 * (np.arange(5) == 1)
     goals = correspond(image(), "jump", seen(np.clip(q, -1.4, 1.4)), 0.02, np.full(5, 2.0))
-    assert np.abs(np.diff(goals.postures, axis=0)).max() <= 2.0 * 0.02 + 1e-9
+    assert np.abs(np.diff(goals.postures, axis=0)).max() <= goals.slowed * 2.0 * 0.02 + 1e-9
 
 
 def test_out_of_reach_stays_in_range() -> None:

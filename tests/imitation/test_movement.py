@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from babbling.axes import FloatArray
 from babbling.schema import BodySchema
 from imitation.acting.attempts import Practice
-from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement, approach
+from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement, approach, slowed
 from imitation.acting.rehearsal import CALM, calmest
 from imitation.errors import ImitationError
 
@@ -75,6 +75,15 @@ def test_a_run_up_with_little_room_is_short_and_gathers_the_whole_pace() -> None
     np.testing.assert_allclose(way[round((APPROACH_S + RUN_UP_S - 0.1) / TICK) - 1], 0, atol=1e-12)  # 2 x 0.1 / 2.0
     assert (np.diff(way[round(APPROACH_S / TICK) :]) >= 0).all(), "never back"
     assert (goals[0, 0] - way[-1]) / TICK == pytest.approx(2.0, rel=0.1)
+
+
+@given(st.floats(1, 4))
+def test_slowed_frames_are_the_same_movement_later(factor: float) -> None:
+    frames = np.polynomial.polynomial.polyval(np.linspace(-1, 1, 30), [[0.1, 2], [1, -1], [0.5, 1], [-1, 0.2]]).T
+    late = np.arange(int(29 * factor + 1e-9) + 1) / factor
+    same = np.polynomial.polynomial.polyval(late / 14.5 - 1, [[0.1, 2], [1, -1], [0.5, 1], [-1, 0.2]]).T
+    np.testing.assert_allclose(slowed(frames, factor), same, atol=1e-9)  # a spline holds cubics exactly
+    assert slowed(frames, 1.0) is frames
 
 
 def schema(postures: list[int]) -> BodySchema:

@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imitation.correspondence.smooth_path import CUT_OFF_HZ, PROMISE, SPEED_SHARE, _within_speed, smooth_path
+from imitation.correspondence.smooth_path import (
+    CUT,
+    CUT_OFF_HZ,
+    PROMISE,
+    SLOWEST,
+    SPEED_SHARE,
+    smooth_path,
+    within_speed,
+)
 from tests.imitation.planar import image, pointing, view
 
 TICK, FRAMES = 0.02, 300
@@ -25,7 +33,8 @@ def smoothed(
     seen = view(image((-reach, -reach), (reach, reach)), len(start))
     shape = (len(start), 2)
     held = np.full(shape, holding)
-    return smooth_path(seen, start, np.tile(weights, (len(start), 1)), held, np.full(2, doubt), np.full(2, speed), TICK)
+    every = np.tile(weights, (len(start), 1))
+    return smooth_path(seen, start, every, held, np.full(2, doubt), np.full(2, speed), TICK)[0]
 
 
 def slow() -> np.ndarray:
@@ -75,6 +84,25 @@ def test_a_sense_that_nothing_seen_decides_stays_where_it_was_found() -> None:
     assert np.abs(np.diff(found)).max() < 0.05
 
 
+@pytest.mark.parametrize(("faster", "least"), [(0.9, 1.0), (2.0, 1.75), (3.0, 2.6), (9.0, 4.0)])
+def test_a_movement_too_fast_is_slowed_not_cut(faster: float, least: float) -> None:
+    """A swing at that many times the speed limit, by as little as keeps every direction within the degree; the slowest
+    has its end."""
+    start = np.stack([0.5 * np.sin(6 * TIME), 0.3 + 0 * TIME], 1)
+    speed = np.full(2, 3 / faster / SPEED_SHARE)
+    seen, every = view(image((-2.5, -2.5), (2.5, 2.5)), FRAMES), np.ones((FRAMES, 2))
+    found, factor = smooth_path(seen, start, every, every > 0, np.zeros(2), speed, TICK)
+    assert (factor == 1) == (faster < 1) and least <= factor <= min(max(faster, 1) * 1.02, SLOWEST)
+    assert np.abs(np.diff(found, axis=0)).max() <= factor * 3 / faster * TICK * (1 + 1e-9)
+    assert (moved(found, start).max() <= CUT * (1 + 1e-6)) == (faster <= SLOWEST)
+
+
+def test_a_leap_slows_nothing() -> None:
+    start = np.stack([np.where(TIME < 3, -0.5, 0.5), 0.3 + 0 * TIME], 1)
+    seen, every = view(image((-2.5, -2.5), (2.5, 2.5)), FRAMES), np.ones((FRAMES, 2))
+    assert smooth_path(seen, start, every, every > 0, np.zeros(2), np.full(2, 2.0), TICK)[1] == 1
+
+
 @pytest.mark.parametrize("speed", [2.0, 5.0])
 def test_the_speed_limit_is_kept(speed: float) -> None:
     """A leap takes as long as the limit asks, shared before and after; elsewhere directions stay held."""
@@ -108,14 +136,14 @@ def test_short_movements_are_left_alone(frames: int) -> None:
 
 @given(st.integers(0, 2**31))
 @settings(max_examples=30, deadline=None)
-def test_nearest_movement_within_speed(seed: int) -> None:
+def test_nearest_movementwithin_speed(seed: int) -> None:
     """It keeps limit and range, leaves alone what already keeps the limit, and no such movement is nearer."""
     rng = np.random.default_rng(seed)
     angles, step = rng.normal(size=(40, 2)).cumsum(axis=0), np.array([0.5, 2.0])
-    kept = _within_speed(angles, step)
+    kept = within_speed(angles, step)
     assert (np.abs(np.diff(kept, axis=0)) <= step + 1e-12).all()
     assert (kept >= angles.min(axis=0) - 1e-12).all() and (kept <= angles.max(axis=0) + 1e-12).all()
-    np.testing.assert_allclose(_within_speed(kept, step), kept, atol=1e-12)
+    np.testing.assert_allclose(within_speed(kept, step), kept, atol=1e-12)
     gap = np.abs(np.arange(40)[:, None] - np.arange(40))[:, :, None] * step
     least = ((angles[:, None] - angles[None]) - gap).max(axis=(0, 1)) / 2
     np.testing.assert_allclose(np.abs(kept - angles).max(axis=0), least.clip(0), atol=1e-9)
