@@ -1,15 +1,19 @@
-"""Two hundred single acts of all teachers: which part was that, and how often must one try until it looks right?"""
+"""Single acts of all teachers: which part was that, how often must one try until it looks right, and what hides it?"""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
 from babbling.mirroring import angles_between
+from babbling.organs import EDGES_DEG, Organs, turned
+from experiments.shared.judging import Sweep
 from experiments.shared.mirrors import Pupil
-from imitation.correspondence.organ import identify
+from imitation.correspondence.organ import edge_ticks, identify, owners
 from imitation.correspondence.tries import try_again
-from models.mirror import Mirror
+from models.mirror import Mirror, blurred
 from models.teachers.acts import movable, single_act
 from models.teachers.robots import ROBOTS
 
@@ -37,13 +41,9 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
     calm = replace(pupil, noise_deg=pupil.noise_deg / 3)
     truth, said, errors = [], [], []
     for number in range(count):
-        robot = list(ROBOTS)[number % len(ROBOTS)]
-        able = [part for part in movable(robot) if part in image.parts]
-        part = able[int(rng.integers(len(able)))]
-        seen = single_act(robot, part, rng).directions
-        shown = np.stack([seen.get(name, np.full_like(seen[part], np.nan)) for name in image.parts], 1)
+        part, shown = _act(image.parts, number, rng)
         organ = identify(image.organs, pupil.look(shown, rng), pupil.body.tick_s)
-        truth.append(image.parts.index(part))
+        truth.append(part)
         said.append(organ.part)
         if organ.part == truth[-1]:
             wanted = shown[-1, organ.part]
@@ -57,3 +57,80 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
             errors.append(angles_between(shows, wanted))
     table = np.rad2deg(errors).reshape(-1, tries + 1)
     return Acts(image.parts, np.array(truth), np.array(said), table)
+
+
+def _act(
+    parts: Sequence[str], number: int, rng: np.random.Generator, share: float = 1.0, others: int = 0
+) -> tuple[int, FloatArray]:
+    """Robots take turns: the number of a random part and the (T, P, 3) directions of its act, NaN where a robot lacks a
+    part. See `single_act`; so many `others` move along."""
+    robot = list(ROBOTS)[number % len(ROBOTS)]
+    part, *along = rng.permutation([part for part in movable(robot) if part in parts])[: 1 + others].tolist()
+    seen = single_act(robot, part, rng, share, tuple(along)).directions
+    return parts.index(part), np.stack([seen.get(name, np.full_like(seen[part], np.nan)) for name in parts], 1)
+
+
+class Hard(NamedTuple):
+    """What makes an act hard to put to a part."""
+
+    noise_deg: float = 3.0
+    """Of seeing the teacher; the mirror was looked at with 3 degrees."""
+    share: float = 1.0
+    """Of the way of an act."""
+    others: float = 0
+    """Parts that move along, half as far."""
+    exchanged: float = 0.0
+    """Share of frames in which left and right parts, look-alikes, are taken for one another."""
+
+
+HARDER: dict[str, tuple[str, tuple[float, ...]]] = {
+    "noise_deg": ("seeing noise [deg]", (3, 6, 12, 18, 24, 36)),
+    "share": ("share of an act's way", (1, 0.5, 0.25, 0.12, 0.06, 0.03)),
+    "others": ("other parts that move along", (0, 1, 2, 3, 4)),
+    "exchanged": ("frames with left and right exchanged", (0, 0.1, 0.2, 0.3, 0.4, 0.5)),
+}
+MIDDLES = np.deg2rad([0.5, *(np.array(EDGES_DEG[:-1]) + EDGES_DEG[1:]) / 2, 60.0])
+"""rad, of the categories of amounts."""
+RULES = ("Eq. (1)", "correlation with own acts", "largest turn")
+
+
+def harder_acts(
+    learners: list[Organs], count: int, tick_s: float, seed: int, report: Callable[[float], None]
+) -> dict[str, Sweep]:
+    """Every learner sees `count` acts at every grade of every difficulty; all rules are told that something moved."""
+    found = {}
+    for n, (name, (label, grades)) in enumerate(HARDER.items()):
+        right = np.zeros((len(learners), len(RULES), len(grades)))
+        for s, organs in enumerate(learners):
+            rng = np.random.default_rng([seed + s, 19, n])
+            for g, grade in enumerate(grades):
+                hard = Hard()._replace(**{name: grade})
+                for number in range(count):
+                    part, shown = _act(organs.parts, number, rng, hard.share, int(hard.others))
+                    right[s, :, g] += part == put_to_parts(organs, seen_hard(shown, organs.parts, hard, rng), tick_s)
+                report((n + (s + (g + 1) / len(grades)) / len(learners)) / len(HARDER))
+        found[name] = Sweep(label, grades, RULES, right / count)
+    return found
+
+
+def seen_hard(shown: FloatArray, parts: Sequence[str], hard: Hard, rng: np.random.Generator) -> FloatArray:
+    """(T, P, 3) directions as they are seen: some frames with left and right exchanged, all with noise."""
+    other = {"left": "right", "right": "left"}
+    twin = ["_".join(other.get(word, word) for word in part.split("_")) for part in parts]
+    exchanged = shown[:, [parts.index(name) for name in twin]]
+    away = rng.random(len(shown)) < hard.exchanged
+    return blurred(np.where(away[:, None, None], exchanged, shown), float(np.deg2rad(hard.noise_deg)), rng)
+
+
+def put_to_parts(organs: Organs, seen: FloatArray, tick_s: float) -> IntArray:
+    """(3,) which part moved, by `RULES`: Eq. (1); the own motor whose mean amounts correlate most with those seen, no
+    model of noise or size; the part that turned most."""
+    edge = edge_ticks(tick_s)
+    amounts = turned(seen[:edge], seen[-edge:])
+    there = np.isfinite(amounts)
+    counts, owner = organs.amounts.counts[:, :-1].astype(float), owners(organs.moves)
+    own = (counts @ MIDDLES / np.maximum(counts.sum(-1), 1.0))[there]
+    away, own = amounts[there] - amounts[there].mean(), own - own.mean(0)
+    likeness = np.where(owner >= 0, away @ own / np.maximum(np.linalg.norm(own, axis=0), 1e-9), -np.inf)
+    said = identify(organs, seen, tick_s).probability[:-1].argmax()
+    return np.array([said, owner[likeness.argmax()], np.nanargmax(amounts)])

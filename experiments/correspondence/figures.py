@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.correspondence.found import Studied
-from experiments.shared.figures import learning_curve
+from experiments.shared.figures import learning_curve, sweeps
 from experiments.shared.palette import OURS, PLAIN, THEIRS
 
 
@@ -17,6 +17,11 @@ def figures(done: Studied) -> dict[str, Figure]:
         "teachers": teachers(done),
         "learning_curve": mirror_curve(done),
         "tries": tries(done),
+        "harder_acts": sweeps(
+            {f"harder by {name.replace('_deg', '')}": sweep for name, sweep in done.harder.items()},
+            1 / len(done.acts.parts),
+            "put to the right part [%]",
+        ),
     }
 
 

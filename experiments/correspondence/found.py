@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from babbling.axes import FloatArray
 from experiments.correspondence.acts import Acts
 from experiments.correspondence.options import Config
+from experiments.shared.judging import Sweep
 from experiments.shared.mirrors import Pupil
 from experiments.shared.oracle import Retargeted
 from models.teachers.performance import Performance
@@ -40,3 +41,5 @@ class Studied:
     """(K, 2) of each teacher, one part hidden for a second while it moved most, with noisy eyes: mean error over all
     parts and frames, as a multiple of that with nothing hidden; and the fastest joint of the sub-goals, rad/s."""
     acts: Acts
+    harder: dict[str, Sweep]
+    """By what makes acts hard to put to a part."""

@@ -20,6 +20,10 @@ class Config(MirrorOptions):
     """Body-minutes in front of the mirror, for the longest point of the curve."""
     acts: Annotated[int, some] = 200
     """Single acts for organ identification."""
+    learners: Annotated[int, within(2, 100)] = 5
+    """Who look into the mirror, each by itself, for acts that are hard to put to a part."""
+    harder_acts: Annotated[int, some] = 40
+    """Acts that each of them sees at each grade of each difficulty."""
     tries: Annotated[int, some] = 8
     """Tries at each act."""
     forward_model: ToRead | None = None

@@ -11,8 +11,9 @@ from babbling.errors import BabblingError
 from babbling.files import load, save
 from babbling.mind import Mind
 from babbling.mirroring import MirrorExperience
-from babbling.pilot import pilot
-from experiments.correspondence.acts import act_study
+from babbling.organs import Organs, find_organs
+from babbling.pilot import Pilot, pilot
+from experiments.correspondence.acts import RULES, act_study, harder_acts
 from experiments.correspondence.figures import figures
 from experiments.correspondence.found import Row, Studied
 from experiments.correspondence.options import Config
@@ -66,7 +67,10 @@ def run(config: Config) -> Result:
     curve = learning_curve(config, options, shown, [(clean, experience), (noisy, blurry)])
     hidden = hide_parts(noisy, rows, rng)
     acts = act_study(noisy, config.acts, config.tries, config.seed)
-    done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts)
+    with progress("harder acts") as report:
+        organs = [noisy.image.organs, *(others_organs(config, options, found, k) for k in range(1, config.learners))]
+        harder = harder_acts(organs, config.harder_acts, body.tick_s, config.seed, report)
+    done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts, harder)
     metrics = measure(done)
     summary = summarise(metrics, rows)
     labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
@@ -77,6 +81,12 @@ def run(config: Config) -> Result:
         lambda path: record(path, done, summary),
         {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)},
     )
+
+
+def others_organs(config: Config, options: BodyOptions, found: Pilot, number: int) -> Organs:
+    """What another learner finds in the mirror, with noisy eyes."""
+    other = replace(options, seed=options.seed + number)
+    return find_organs(look_into_mirror(other, found, config.mirror_minutes, config.seeing_noise_deg))
 
 
 def blur(experience: MirrorExperience, config: Config) -> MirrorExperience:
@@ -164,6 +174,7 @@ def measure(done: Studied) -> dict[str, Any]:
         "parts_right_share": column["parts_right_share"].mean(),
         "parts_alike_share": column["parts_alike_share"].mean(),
         "organ_identification_rate": acts.rate,
+        "organ_harder": {name: sweep.numbers() for name, sweep in done.harder.items()},
         "first_try_error_deg": float(np.median(acts.errors_deg[:, 1])),
         "last_try_error_deg": float(np.median(acts.errors_deg[:, -1])),
         "hidden_error_ratio": hidden[:, 0].max() if len(hidden) else 1.0,
@@ -184,6 +195,12 @@ def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
         label = name if len(name) < 30 else Path(name).stem
         learned = f"{one['learned_deg']:.3f} deg", f"{one['learned_noisy_deg']:.2f} deg"
         shown_rows.append((f"{label} ({row.performance.teacher})", f"{one['ik_deg']:.3f} deg", *learned))
+    harder = []
+    for name, one in metrics["organ_harder"].items():
+        gaps = (
+            f"{100 * mean:+.1f} ({100 * low:.1f} to {100 * high:.1f})" for mean, low, high in one["beyond"].values()
+        )
+        harder.append((name, " ".join(f"{100 * r:.0f}" for r in one[RULES[0]]["right"]) + " %", *gaps))
     noise = f"learned, {metrics['seeing_noise_deg']:g} deg of noise"
     return (
         f"**Whose body is this?** {metrics['mirror_body_minutes']:.1f} body-minutes in front of a mirror, "
@@ -192,5 +209,6 @@ def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
         f"Fastest sub-goals (99.9 %): {metrics['sub_goal_speed_q999']:.2f} rad/s. "
         f"One frame, all limbs: {metrics['correspond_p50_ms']:.2f} ms. A part hidden for a second: error x "
         f"{metrics['hidden_error_ratio']:.2f} at worst. Single acts: {metrics['first_try_error_deg']:.1f} deg at the "
-        f"first try, {metrics['last_try_error_deg']:.1f} deg at the last."
+        f"first try, {metrics['last_try_error_deg']:.1f} deg at the last.\n\n"
+        f"{table(harder, ('acts harder by', 'Eq. (1), from easy to hard', *(f'points beyond {r}' for r in RULES[1:])))}"
     )

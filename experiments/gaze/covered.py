@@ -8,7 +8,7 @@ import numpy as np
 
 from experiments.gaze.infer import infer
 from experiments.gaze.trials import TOYS, Trials, Watcher, run_trials
-from experiments.shared.judging import interval_95
+from experiments.shared.judging import alike, difference, interval_95
 from imitation.gaze.reader import EyeLore
 from imitation.seeing.finding import Finder
 from models.biclops.cloth import through_cloth
@@ -18,6 +18,9 @@ from models.seeing_body import SeeingBody
 LOOKS = 12
 """Looks through each cloth, and 200 without any: a baby looks all day."""
 OPEN_LOOKS = 200
+MARGIN = 0.19
+"""Rates that differ by less are alike: the difference that 32 infants a group (Meltzoff and Brooks 2008) would have had
+one chance in three of telling from none, (1.96 - .43) sqrt(2 / 4 / 32) ("small telescopes", Simonsohn 2015)."""
 AGES = {"12 months": (), "14 and 18 months": ("opaque",)}
 """What has lain over an infant's eyes by itself: nothing yet, or blankets and its own hands."""
 TRAINING = {"before": None, "after an opaque blindfold": "opaque", "after a see-through one": "see_through"}
@@ -59,11 +62,15 @@ def covered_eyes(
     before12, before18 = rates["12 months, before"], rates["14 and 18 months, before"]
     opaque12 = rates["12 months, after an opaque blindfold"]
     through18 = rates["14 and 18 months, after a see-through one"]
+    pair = [(row["hits"], row["n"]) for row in (before12["blindfold"], before12["headband"])]
+    gap, error = difference(pair[0], pair[1])
+    apart = alike(pair[0], pair[1], MARGIN)
     return {
+        "equivalence": {"margin": MARGIN, "p": apart, "interval_90": [gap - 1.645 * error, gap + 1.645 * error]},
         "rates": rates,
         "chance": 1 / len(TOYS),
         "signs": {
-            "12 months: blindfold and headband alike": abs(_gap(before12["blindfold"], before12["headband"])) <= 1.96,
+            "12 months: blindfold and headband alike": apart < 0.05,
             "14 and 18 months: headband above blindfold": _gap(before18["headband"], before18["blindfold"]) > 1.96,
             "12 months: less after an opaque blindfold": _gap(before12["blindfold"], opaque12["blindfold"]) > 1.96,
             "18 months: more after a see-through one": _gap(through18["blindfold"], before18["blindfold"]) > 1.96,
@@ -86,6 +93,7 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
     n = len(covered)
     return {
         "rate": hits / n,
+        "hits": hits,
         "interval_95": interval_95(hits, n),
         "n": n,
         "eyes_seen": float(trials.eyes_seen.mean()),
@@ -96,6 +104,5 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
 
 def _gap(one: dict[str, Any], other: dict[str, Any]) -> float:
     """By how many standard errors of the difference one rate lies above another."""
-    shares = [(r["rate"] * r["n"] + 1) / (r["n"] + 2) for r in (one, other)]
-    spread = np.sqrt(sum(p * (1 - p) / r["n"] for p, r in zip(shares, (one, other), strict=True)))
-    return float((one["rate"] - other["rate"]) / spread)
+    gap, error = difference((one["hits"], one["n"]), (other["hits"], other["n"]))
+    return gap / error

@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from babbling.axes import FloatArray
 from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Following
+from experiments.gaze.trials import TOYS
+from experiments.shared.figures import sweeps
 from experiments.shared.palette import INKS, OURS, PLAIN
 
 
@@ -18,7 +20,7 @@ def figures(found: Found) -> dict[str, Figure]:
         "calibration": calibration(found.calibration, found.calibration_error),
         "preferences": preferences(found),
         "covered_eyes": covered(found.covered),
-    }
+    } | ({"crowds": sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at [%]")} if found.crowds else {})
 
 
 def episode(one: Following) -> Figure:

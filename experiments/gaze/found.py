@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 from babbling.axes import FloatArray
+from experiments.gaze.crowds import Crowds
 from experiments.gaze.infer import Judged
 from experiments.gaze.scene import Following
 from experiments.gaze.trials import Trials, Watcher
@@ -24,3 +25,5 @@ class Found(NamedTuple):
     calibration_error: float
     covered: dict[str, Any]
     episode: Following
+    crowds: Crowds | None
+    """With --study."""

@@ -10,7 +10,8 @@ class Config(EyeOptions):
     """Options of `imitate gaze`."""
 
     study: bool = False
-    """All trials of the figures: 200 clear, 600 of close pairs, 1000 for calibration, 100 of each covered face."""
+    """All trials of the figures: 200 clear, 600 of close pairs, 1000 for calibration, 100 of each covered face, and
+    five learners before beads that lie close."""
     learned_eyes: ToRead | None = None
     """eyes.nc of an earlier `imitate saccades`; None babbles anew."""
     babbling_minutes: Minutes = 15.0

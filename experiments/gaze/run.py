@@ -1,5 +1,6 @@
 """A teacher turns its head to one of several toys; the imitator infers which, by Eq. (2), and looks there."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,6 +11,7 @@ from babbling.files import load, save
 from babbling.looking import LookingMind
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import covered_eyes
+from experiments.gaze.crowds import crowds
 from experiments.gaze.figures import figures
 from experiments.gaze.found import Found
 from experiments.gaze.infer import infer, judge, preferences
@@ -20,6 +22,7 @@ from experiments.gaze.trials import (
     COPIES,
     PAIR,
     TOYS,
+    Watcher,
     lesson_for_gaze,
     run_trials,
     shown,
@@ -40,7 +43,9 @@ SHOWN_TRIALS = 80
 PREFERENCE_TRIALS = 100
 PREFERENCE = (0.2, 0.8)
 """How often the teacher looks at either of `PAIR` when both are there."""
-STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100}
+PUPILS = 5
+"""Who meet the crowds: each babbles, is mirrored and is shown by itself."""
+STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100, "crowds": 80}
 SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
 
 
@@ -52,14 +57,13 @@ def run(config: Config) -> Result:
     """
     layout = _check(config)
     counts = STUDY if config.study else SHORT
-    mind = _eyes(config)
-    with progress("the caregiver mirrors") as report:
-        who = lesson_for_gaze(config, mind, LESSONS, config.seed, report)
+    naive = _pupil(config)
+    mind = naive.eyes
     body = table_body(config, COPIES, config.seed + 11, TURN_S)
     rng = np.random.default_rng([config.seed, 0x6A2E])
     with progress("being shown") as report:
-        lessons = run_trials(body, who, SHOWN_TRIALS, rng, report=report)
-        who = shown(who, lessons)
+        lessons = run_trials(body, naive, SHOWN_TRIALS, rng, report=report)
+        who = shown(naive, lessons)
     with progress("following gaze") as report:
         clear_trials = run_trials(
             body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
@@ -77,8 +81,13 @@ def run(config: Config) -> Result:
     error, bins = calibration_error(judged.probability.max(1), judged.right)
     with progress("covered eyes") as report:
         covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
+    close_by = None
+    if config.study:
+        pupils = [naive, *(_pupil(replace(config, seed=config.seed + k)) for k in range(1, PUPILS))]
+        with progress("beads that lie close") as report:
+            close_by = crowds(pupils, counts["crowds"], report)
     shown_episode = episode(who, layout, config.target, config.seed)
-    found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode)
+    found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode, close_by)
     metrics = _metrics(config, found)
     summary = _summary(metrics)
     labels = {"motor": head_of(config.robot).motors}
@@ -128,6 +137,12 @@ def _eyes(config: Config) -> LookingMind:
         return learn_to_look(body, config.babbling_minutes, config.seed, lambda done, mind: report(done))
 
 
+def _pupil(config: Config) -> Watcher:
+    mind = _eyes(config)
+    with progress("the caregiver mirrors") as report:
+        return lesson_for_gaze(config, mind, LESSONS, config.seed, report)
+
+
 def _metrics(config: Config, found: Found) -> dict[str, Any]:
     looked, gaze = found.trials.looked, found.who.gaze
     gain = found.preferred.right.astype(float) - found.alone.right.astype(float)
@@ -152,12 +167,13 @@ def _metrics(config: Config, found: Found) -> dict[str, Any]:
         "gaze_learned_origin": gaze.origin,
         "gaze_learned_spread_deg": np.rad2deg(np.sqrt(np.diag(gaze.covariance))),
         "gaze_blindfold": found.covered,
+        **(found.crowds.numbers() if found.crowds else {}),
     }
 
 
 def _summary(metrics: dict[str, Any]) -> str:
     low, high = metrics["gaze_preference_margin_95"]
-    rates = metrics["gaze_blindfold"]["rates"]
+    rates, alike = metrics["gaze_blindfold"]["rates"], metrics["gaze_blindfold"]["equivalence"]
     rows = [
         (f"{metrics['gaze_trials']} trials, 4 toys at least 15 deg apart",
          f"looked at the right one in {100 * metrics['gaze_accuracy']:.1f} %, {metrics['gaze_looked_px']:.2f} px from "
@@ -171,5 +187,13 @@ def _summary(metrics: dict[str, Any]) -> str:
          f"expected calibration error {metrics['gaze_calibration_error']:.3f}"),
         *((f"followed, {name}", f"blindfold {100 * row['blindfold']['rate']:.0f} %, headband "
            f"{100 * row['headband']['rate']:.0f} %") for name, row in rates.items()),
+        (f"blindfold and headband within {100 * alike['margin']:.0f} points at 12 months", f"p = {alike['p']:.2g}"),
     ]  # fmt: skip
+    for name, sweep in metrics.get("gaze_crowds", {}).items():
+        said = metrics["gaze_crowds_scores"][name]
+        gaps = (
+            f"{100 * m:+.1f} ({100 * a:.1f} to {100 * b:.1f}) on {rule}" for rule, (m, a, b) in sweep["beyond"].items()
+        )
+        loss = ", ".join(f"{100 * one['log_loss'][0]:.0f} {rule}" for rule, one in said.items())
+        rows.append((f"beads, {name}", f"points: {'; '.join(gaps)}. Log loss, hundredths: {loss}"))
     return f"# {metrics['robot']} follows gaze\n\n{table(rows)}\n"

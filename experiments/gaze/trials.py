@@ -15,7 +15,7 @@ from imitation.gaze.reader import GazeReader, Geometry
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance, frame_pose
-from models.biclops.gaze import View, lay_out, look_at
+from models.biclops.gaze import BALL_RADIUS, View, lay_out, look_at
 from models.biclops.room import Ball, wear_cloth
 from models.heads import CARD, PARKED, camera_facts
 from models.retina import Image
@@ -80,9 +80,9 @@ class Trials(NamedTuple):
         return Trials._make([*(field[which] for field in self[:-1]), self.image])
 
 
-def table_body(config: Config, copies: int, seed: int, tick_s: float) -> SeeingBody:
-    """Heads before a table with four toys and a teacher behind it."""
-    balls = tuple(Ball(name, (0.5, 0.0, 0.02), COLOURS[name], 0.022) for name in TOYS)
+def table_body(config: Config, copies: int, seed: int, tick_s: float, radius: float = BALL_RADIUS) -> SeeingBody:
+    """Heads before a table with four toys of a radius (m) and a teacher behind it."""
+    balls = tuple(Ball(name, (0.5, 0.0, radius), COLOURS[name], radius) for name in TOYS)
     body = open_eyes(
         config, Finder(LABELS, areas=True), copies=copies, tick_s=tick_s, seed=seed, rest=(0.0, WATCH_TILT),
         teacher=True, distance=config.distance, balls=balls,
@@ -102,6 +102,11 @@ def toys_seen(
     return place.reshape(*place.shape[:-2], 4) - mind.pilot.retina.centre, area
 
 
+def straight(aim: FloatArray, spread: float, rng: np.random.Generator) -> FloatArray:
+    """A head that points at what it looks at, (N, 2) rad, but for Gaussian noise on either axis."""
+    return aim + spread * rng.standard_normal(aim.shape)
+
+
 def run_trials(
     body: SeeingBody,
     who: Watcher,
@@ -110,12 +115,15 @@ def run_trials(
     *,
     toys: tuple[str, ...] = TOYS,
     apart_deg: tuple[float, float] = (15.0, 180.0),
+    radius: float = BALL_RADIUS,
+    turn: Callable[[FloatArray, float, np.random.Generator], FloatArray] = straight,
     preference: tuple[float, ...] | None = None,
     cloth: str | None = None,
     follow: Callable[[Trials], IntArray] | None = None,
     report: Callable[[float], None] = lambda done: None,
 ) -> Trials:
-    """So many trials, `body.copies` at a time; see `Trials`. `preference` is the teacher's own, over `toys`.
+    """So many trials, `body.copies` at a time; see `Trials`. `preference` is the teacher's own, over `toys`; to
+    look where (N, 2) poses point straight, its head turns to `turn` of them.
 
     With `follow`, which toy of each trial the teacher is thought to look at, the imitator looks there.
     """
@@ -124,14 +132,15 @@ def run_trials(
     batches: list[Trials] = []
     copies, share = body.copies, np.full(len(toys), 1 / len(toys)) if preference is None else np.array(preference)
     for done in range(0, count, copies):
-        places = np.stack([lay_out(rng, len(toys), config.distance, view(config), apart_deg) for _ in range(copies)])
+        laid = (lay_out(rng, len(toys), config.distance, view(config), apart_deg, radius) for _ in range(copies))
+        places = np.stack([*laid])
         target = rng.choice(len(toys), copies, p=share)
         aim = look_at(places[np.arange(copies), target], config.distance)
         for name in TOYS:
             body.place(name, np.array(PARKED))
         for column, name in enumerate(toys):
             body.place(name, places[:, column])
-        body.teacher_path = still(aim + np.deg2rad(config.aim_deg) * rng.standard_normal((copies, 2)))
+        body.teacher_path = still(turn(aim, float(np.deg2rad(config.aim_deg)), rng))
         body.seed += 1
         senses = body.reset()
         things, area = toys_seen(body, senses, who.eyes, toys)

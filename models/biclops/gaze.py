@@ -58,10 +58,15 @@ class View(NamedTuple):
 
 
 def lay_out(
-    rng: np.random.Generator, count: int, distance: float, view: View, apart_deg: tuple[float, float]
+    rng: np.random.Generator,
+    count: int,
+    distance: float,
+    view: View,
+    apart_deg: tuple[float, float],
+    radius: float = BALL_RADIUS,
 ) -> FloatArray:
-    """(count, 3) toys on the table, every two at least `apart_deg[0]` and (for two toys) at most `apart_deg[1]` apart
-    as the teacher sees them.
+    """(count, 3) toys on the table, each between `apart_deg[0]` and `apart_deg[1]` from the nearest other one as the
+    teacher sees them.
 
     Raises:
         BodyError: no room for them.
@@ -69,24 +74,30 @@ def lay_out(
     scale = distance / 0.95
     for _ in range(TRIES // BATCH):
         x, y = rng.uniform(*TABLE_X, (BATCH, count)) * scale, rng.uniform(-TABLE_Y, TABLE_Y, (BATCH, count)) * scale
-        if count == 2:  # close pairs are rare: lay the second one near the first, or far
-            near = rng.choice([0.05, 0.25], BATCH) * scale
-            x[:, 1], y[:, 1] = x[:, 0] + near * rng.normal(size=BATCH), y[:, 0] + near * rng.normal(size=BATCH)
-        places = np.stack([x, y, np.full((BATCH, count), BALL_RADIUS)], axis=-1)
-        fit = np.flatnonzero(possible(places, distance, view, apart_deg))
+        if apart_deg[1] < 180.0:  # close ones are rare: lay each near one that lies already
+            near = min(np.deg2rad(apart_deg[1]) / 2, 0.25) * scale
+            for k in range(1, count):
+                beside = np.arange(BATCH), rng.integers(k, size=BATCH)
+                x[:, k] = x[beside] + near * rng.normal(size=BATCH)
+                y[:, k] = y[beside] + near * rng.normal(size=BATCH)
+        places = np.stack([x, y, np.full((BATCH, count), radius)], axis=-1)
+        fit = np.flatnonzero(possible(places, distance, view, apart_deg, radius))
         if len(fit):
             return np.asarray(places[fit[0]])
     raise BodyError(f"no room on the table for {count} toys {apart_deg[0]:g} degrees apart; fewer, or closer")
 
 
-def possible(places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float]) -> BoolArray:
-    """(...) whether both heads can look at all of (..., G, 3) toys, and they lie as far apart as asked."""
+def possible(
+    places: FloatArray, distance: float, view: View, apart_deg: tuple[float, float], radius: float = BALL_RADIUS
+) -> BoolArray:
+    """(...) whether both heads can look at all of (..., G, 3) toys, each as far from the nearest other one as asked."""
     turn = np.rad2deg(np.abs(look_at(places, distance)[..., 0]))
     fit = (view.shows(places) & (turn <= WIDEST_DEG)).all(-1)
-    first, second = np.triu_indices(places.shape[-2], 1)
-    one, other = places[..., first, :], places[..., second, :]
-    apart = np.rad2deg(separation(one, other, distance))
-    aside = np.abs(np.arctan2(one[..., 1], one[..., 0]) - np.arctan2(other[..., 1], other[..., 0]))
+    one, other = places[..., :, None, :], places[..., None, :, :]
+    itself = 360.0 * np.eye(places.shape[-2])
+    nearest = (np.rad2deg(separation(one, other, distance)) + itself).min(-1)  # 360: there is no other
+    within = (nearest >= apart_deg[0]) & ((nearest <= apart_deg[1]) | (nearest >= 360.0))
+    aside = np.abs(np.arctan2(one[..., 1], one[..., 0]) - np.arctan2(other[..., 1], other[..., 0])) + itself
     down = np.abs(np.arctan2(0.18, one[..., 0]) - np.arctan2(0.18, other[..., 0]))
-    merged = (aside < 0.06) & (down < 0.10)
-    return np.asarray(fit & ((apart >= apart_deg[0]) & (apart <= apart_deg[1]) & ~merged).all(-1))
+    merged = (aside < 0.06 * radius / BALL_RADIUS) & (down < 0.10 * radius / BALL_RADIUS)
+    return np.asarray(fit & within.all(-1) & ~merged.any((-1, -2)))

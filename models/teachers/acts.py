@@ -63,8 +63,11 @@ def movable(robot: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
-    """What is seen of a random act of one part, out of a random posture of the whole robot.
+def single_act(
+    robot: str, part: str, rng: np.random.Generator, share: float = 1.0, along: tuple[str, ...] = ()
+) -> Performance:
+    """What is seen of a random act of one part, out of a random posture of the whole robot; or of a `share` of that
+    way only, and with the joints of other parts moving `along`, each part half as far in root mean square of joints.
 
     Raises:
         TeacherError: see `joints_of`; or no act of that part turns it by LEAST.
@@ -77,8 +80,8 @@ def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     columns = [names.index(joint) for joint in own]
     hold, act = round(HOLD_S * RATE_HZ), round(ACT_S * RATE_HZ)
-    share = np.clip((np.arange(2 * hold + act) - hold + 1) / act, 0, 1)
-    way = (share**3 * (10 - 15 * share + 6 * share**2))[:, None]
+    time = np.clip((np.arange(2 * hold + act) - hold + 1) / act, 0, 1)
+    way = (time**3 * (10 - 15 * time + 6 * time**2))[:, None]
     time = np.arange(len(way)) / RATE_HZ
     reference = teacher.reference
     for _ in range(ATTEMPTS):
@@ -90,6 +93,12 @@ def single_act(robot: str, part: str, rng: np.random.Generator) -> Performance:
         seen = perform("act", robot, ends.time, teacher.motion(teacher.postures(ends)), reference)
         if seen.directions[part][0] @ seen.directions[part][2] > np.cos(LEAST):
             continue
+        way_rms = np.sqrt(np.mean((end - start)[columns] ** 2))
+        for other in along:
+            beside = [names.index(joint) for joint in joints_of(robot, other)]
+            turn = (low + (high - low) * rng.random(len(names)) - start)[beside]
+            end[beside] = start[beside] + turn * 0.5 * way_rms / np.sqrt(np.mean(turn**2))
+        end = start + share * (end - start)
         trajectory = JointTrajectory(f"{robot} moves its {part}", time, names, start + way * (end - start))
         motion = teacher.motion(teacher.postures(trajectory))
         return perform(trajectory.name, robot, time, motion, reference)

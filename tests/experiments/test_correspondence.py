@@ -14,9 +14,11 @@ from rerun.chunk import RrdReader
 
 import experiments.correspondence.run
 import experiments.shared.mirrors
-from babbling.mirroring import MirrorExperience, mirror_babble
+from babbling.mirroring import MirrorExperience, angles_between, mirror_babble
+from babbling.organs import find_organs
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
+from experiments.correspondence.acts import HARDER, Hard, put_to_parts, seen_hard
 from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
@@ -27,6 +29,7 @@ from models.teachers.cmu import perform_amc
 from models.teachers.performance import Performance
 from models.teachers.performing import joint_motion, perform_motion
 from models.teachers.robots import load
+from tests.babbling.creature import Creature, directions, motors, schema
 
 COPIES = 24
 
@@ -135,6 +138,7 @@ def test_size_heading_and_walking_away_change_nothing(
 def done(quick: None, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("correspondence") / "result"
     words = ["--demonstrations", "talos-salute", "--mirror-minutes", "6", "--acts", "40", "--tries", "4"]
+    words += ["--learners", "2", "--harder-acts", "2"]
     assert main(["correspondence", *words, "--out", str(out)]) == 0
     return out
 
@@ -142,14 +146,41 @@ def done(quick: None, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> 
 def test_what_a_run_leaves_behind(done: Path) -> None:
     assert {path.name for path in done.iterdir()} == {
         "config.json", "metrics.json", "recording.rrd", "body_image.nc", "structure.png", "teachers.png",
-        "learning_curve.png", "tries.png",
+        "learning_curve.png", "tries.png", "harder_acts.png",
     }  # fmt: skip
     metrics = json.loads((done / "metrics.json").read_text())
     assert metrics["organ_identification_rate"] >= 0.95
     assert metrics["limb_direction_error_deg"] <= metrics["ik_limb_direction_error_deg"] + 0.3
     assert metrics["worst_beyond_ik_noisy_deg"] <= 2.5
     assert metrics["last_try_error_deg"] < metrics["first_try_error_deg"]
+    assert set(metrics["organ_harder"]) == set(HARDER)
     assert metrics["unreachable_frames"] == 0 and metrics["correspond_p50_ms"] > 0
+
+
+PAIRS = ("head", "left_thigh", "right_thigh")
+
+
+def test_acts_are_as_hard_as_asked() -> None:
+    rng = np.random.default_rng(5)
+    shown = rng.standard_normal((400, 3, 3))
+    shown /= np.linalg.norm(shown, axis=-1, keepdims=True)
+    np.testing.assert_array_equal(seen_hard(shown, PAIRS, Hard(noise_deg=0.0), rng), shown)
+    np.testing.assert_array_equal(seen_hard(shown, PAIRS, Hard(noise_deg=0.0, exchanged=1.0), rng), shown[:, [0, 2, 1]])
+    half = seen_hard(shown, PAIRS, Hard(noise_deg=0.0, exchanged=0.5), rng)
+    assert (half[:, 1] == shown[:, 2]).all(1).mean() == pytest.approx(0.5, abs=0.1)
+    noisy = seen_hard(shown, PAIRS, Hard(noise_deg=3.0), rng)
+    assert np.rad2deg(angles_between(noisy, shown)).mean() == pytest.approx(3 * np.sqrt(np.pi / 2), rel=0.05)
+
+
+def test_rules_agree_on_a_plain_act_and_the_largest_turn_takes_what_is_carried() -> None:
+    experience = mirror_babble(creature := Creature(), creature, schema(), motors(), 8.0, 0)
+    organs = find_organs(experience)
+    way = np.clip((np.arange(50) - 9) / 30, 0, 1)[:, None]
+    said = {part: put_to_parts(organs, directions(0.8 * way * np.eye(5)[part]), 0.02) for part in range(1, 5)}
+    assert all(rules[0] == rules[1] == part for part, rules in said.items())
+    assert said[2][2] == 2 and said[4][2] == 4  # forearms turn alone
+    small = put_to_parts(organs, directions(0.02 * way * np.eye(5)[2]), 0.02)
+    assert small[0] == small[1] == 2  # the size tells nothing
 
 
 def test_recording_holds_both_bodies_and_the_organ(done: Path) -> None:

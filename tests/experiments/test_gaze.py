@@ -1,16 +1,20 @@
 """Gaze following as an experiment: cloths, stages and toys, how it is judged, refusals."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, multivariate_normal
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
 from experiments.gaze.covered import own_experience
+from experiments.gaze.crowds import BEAD, HEAD_SHARE, Simple, jerky, with_eyes
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import view
+from experiments.gaze.trials import straight, view
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore
+from imitation.inference.bayes import goal_posterior
 from models.biclops.cloth import through_cloth
 from models.biclops.gaze import lay_out, look_at, possible, separation
 from models.errors import BodyError
@@ -69,6 +73,49 @@ def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
     pair = lay_out(rng, 2, 0.95, seen, (5.7, 6.3))
     assert np.rad2deg(separation(pair[0], pair[1], 0.95)) == pytest.approx(6.0, abs=0.3)
     assert not possible(np.array([[0.2, 0.6, 0.022]]), 0.95, seen, (0.0, 180.0))
+
+
+@pytest.mark.parametrize("spacing", [1.0, 5.0])
+def test_every_bead_of_a_crowd_has_its_neighbour_as_near_as_asked(spacing: float) -> None:
+    beads = lay_out(np.random.default_rng(1), 4, 0.95, view(Config()), (spacing, 1.25 * spacing), BEAD)
+    apart = np.rad2deg(separation(beads[:, None], beads[None], 0.95)) + 360 * np.eye(4)
+    assert (apart.min(1) >= spacing).all() and (apart.min(1) <= 1.25 * spacing).all()
+
+
+def test_a_fitted_line_undoes_how_a_head_turns_and_then_takes_the_nearest() -> None:
+    rng = np.random.default_rng(2)
+    looks, target = rng.uniform(-0.6, 0.6, (60, 4, 2)), rng.integers(4, size=60)
+    pose = looks[np.arange(60), target] * (HEAD_SHARE, 1.0) + (0.05, -0.1)
+    simple = Simple.learned(looks, pose, target)
+    assert simple.spread < 1e-9
+    np.testing.assert_allclose(simple.slope, [[0.05, -0.1], [HEAD_SHARE, 0], [0, 1]], atol=1e-9)
+    np.testing.assert_array_equal(simple.counts, np.bincount(target, minlength=4) + 1)
+    seen = simple._replace(spread=0.1).read(looks, pose)
+    np.testing.assert_allclose(seen.sum(1), 1)
+    even = simple._replace(spread=0.1, counts=np.ones(4)).read(looks, pose)
+    np.testing.assert_array_equal(even.argmax(1), target)
+    odds = (seen / seen[:, :1]) / (even / even[:, :1])
+    np.testing.assert_allclose(odds, np.tile(simple.counts / simple.counts[0], (60, 1)))
+
+
+def test_the_fitted_line_is_equation_two_where_heads_turn_as_the_reader_takes_it() -> None:
+    """Same spread on both axes and no lapse: nothing is left that a posterior could add."""
+    rng = np.random.default_rng(3)
+    looks, pose, prior = rng.uniform(-0.3, 0.3, (50, 4, 2)), rng.uniform(-0.3, 0.3, (50, 2)), rng.dirichlet(np.ones(4))
+    simple = Simple(np.array([[0.0, 0], [1, 0], [0, 1]]), 0.2, prior)
+    density = multivariate_normal(np.zeros(2), 0.2**2 * np.eye(2)).pdf(pose[:, None] - looks)
+    by_hand = goal_posterior(np.ones(1), density, np.tile(prior, (50, 1))).probability
+    np.testing.assert_allclose(simple.read(looks, pose), by_hand, rtol=1e-9)
+
+
+@pytest.mark.parametrize("turn", [straight, jerky, with_eyes])
+def test_heads_turn_as_said(turn: Callable[..., np.ndarray]) -> None:
+    aim = np.tile([0.5, 0.3], (20_001, 1))
+    turned = turn(aim, 0.05, np.random.default_rng(4))
+    wanted = np.array([0.5 * HEAD_SHARE if turn is with_eyes else 0.5, 0.3])
+    np.testing.assert_allclose(np.median(turned, 0), wanted, atol=0.003)
+    far = np.mean(np.abs(turned - wanted) > 4 * 0.05)
+    assert far == pytest.approx(0.0572 if turn is jerky else 6e-5, abs=0.004)  # both tails beyond 4, closed form
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
 from imitation.correspondence.correspondence import correspond
 from imitation.correspondence.limbs import own_limbs
-from imitation.correspondence.organ import identify, owners
+from imitation.correspondence.organ import identify, owners, pattern_likelihood
 from imitation.correspondence.steadying import steady
 from imitation.correspondence.tries import try_again
 from imitation.errors import ImitationError
@@ -125,6 +125,25 @@ def test_organ_is_identified(noise_deg: float) -> None:
     assert right >= 57
     still = np.stack(list(seen(np.zeros((50, 5)), noise_deg).values()), 1)
     assert identify(image(noise_deg).organs, still, 0.02).part == -1
+
+
+def test_the_part_is_that_of_bayes_with_size_and_noise_integrated_out() -> None:
+    """By brute force: offset, size and noise on grids, against the acts' closed form; only proportions matter."""
+    amounts = np.array([0.05, 0.4, 0.35, 0.1, 0.0])
+    padded = np.append(amounts, 0.0)  # the torso never turns
+    sigma = np.exp(np.linspace(-5, 1.5, 40))[:, None, None]
+    offset, size = np.linspace(-1.5, 1.5, 201)[:, None], np.linspace(-1.5, 1.5, 201)
+    levels = []
+    for moves in MOVES.T:
+        x = np.append(moves, 0.0)
+        spread = sigma * np.sqrt(len(x) / ((x - x.mean()) ** 2).sum())  # the unit-information prior
+        rest = ((padded - offset[..., None] - size[:, None] * x) ** 2).sum(-1)
+        log = -6 * np.log(sigma) - rest / (2 * sigma**2) - size**2 / (2 * spread**2) - np.log(spread)
+        levels.append(np.exp(log).sum())  # d log sigma: the noise's prior is 1 / sigma
+    found = pattern_likelihood(amounts, MOVES)
+    up = found > found.min() * 1.0001
+    np.testing.assert_allclose(found[up] / found[up][0], np.array(levels)[up] / np.array(levels)[up][0], rtol=0.03)
+    np.testing.assert_allclose(pattern_likelihood(7 * amounts, MOVES), found)  # size tells nothing
 
 
 def test_tries_converge_on_the_right_part_alone() -> None:

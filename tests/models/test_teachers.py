@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from models.errors import BodyError
 from models.motion import JointTrajectory
 from models.teachers import anatomy, robots
+from models.teachers.acts import single_act
 from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.performance import PARTS, Performance, TeacherError
 from models.teachers.performing import joint_motion, minimum_jerk, perform, perform_motion
@@ -204,3 +205,17 @@ def test_performances_refuse_what_is_not_one() -> None:
         Performance("x", "y", seen.time, {"head": seen.directions["head"] * 2}, seen.points, seen.bones)
     with pytest.raises(ValueError, match="read-only"):
         seen.directions["head"][0] = 1
+
+
+@pytest.mark.parametrize("share", [1.0, 0.25])
+def test_an_act_goes_its_share_of_the_way_and_others_move_along_only_when_asked(share: float) -> None:
+    def way(along: tuple[str, ...]) -> dict[str, float]:
+        seen = single_act("icub", "left_forearm", np.random.default_rng(3), share, along).directions
+        return {part: float(np.arccos(np.clip(d[0] @ d[-1], -1, 1))) for part, d in seen.items()}
+
+    alone, together = way(()), way(("right_thigh",))
+    assert {part for part, turn in alone.items() if turn > 1e-6} == {"left_forearm"}
+    whole = single_act("icub", "left_forearm", np.random.default_rng(3)).directions["left_forearm"]
+    assert alone["left_forearm"] == pytest.approx(share * np.arccos(whole[0] @ whole[-1]), rel=0.1)
+    assert together["left_forearm"] == pytest.approx(alone["left_forearm"])
+    assert together["right_thigh"] > 0.01 and together["left_thigh"] < 1e-6
