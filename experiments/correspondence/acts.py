@@ -83,12 +83,13 @@ class Hard(NamedTuple):
     """Share of frames in which left and right parts, look-alikes, are taken for one another."""
 
 
-HARDER: dict[str, tuple[str, tuple[float, ...]]] = {
-    "noise_deg": ("seeing noise [deg]", (3, 6, 12, 18, 24, 36)),
-    "share": ("share of an act's way", (1, 0.5, 0.25, 0.12, 0.06, 0.03)),
-    "others": ("other parts that move along", (0, 1, 2, 3, 4)),
-    "exchanged": ("frames with left and right exchanged", (0, 0.1, 0.2, 0.3, 0.4, 0.5)),
+HARDER: dict[str, tuple[str, str, tuple[float, ...]]] = {
+    "noise_deg": ("seeing noise", "deg; the mirror was seen with 3", (3, 6, 12, 18, 24, 36)),
+    "share": ("small movements", "share of an act's way", (1, 0.5, 0.25, 0.12, 0.06, 0.03)),
+    "others": ("several parts at once", "others, half as far", (0, 1, 2, 3, 4)),
+    "exchanged": ("look-alikes", "share of frames, left taken for right", (0, 0.1, 0.2, 0.3, 0.4, 0.5)),
 }
+"""Field of `Hard`: what it is called, its unit, its grades."""
 MIDDLES = np.deg2rad([0.5, *(np.array(EDGES_DEG[:-1]) + EDGES_DEG[1:]) / 2, 60.0])
 """rad, of the categories of amounts."""
 RULES = ("Eq. (1)", "correlation with own acts", "largest turn")
@@ -99,7 +100,7 @@ def harder_acts(
 ) -> dict[str, Sweep]:
     """Every learner sees `count` acts at every grade of every difficulty; all rules are told that something moved."""
     found = {}
-    for n, (name, (label, grades)) in enumerate(HARDER.items()):
+    for n, (name, (_, label, grades)) in enumerate(HARDER.items()):
         right = np.zeros((len(learners), len(RULES), len(grades)))
         for s, organs in enumerate(learners):
             rng = np.random.default_rng([seed + s, 19, n])

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from experiments.correspondence.acts import HARDER
 from experiments.correspondence.found import Studied
 from experiments.shared.figures import learning_curve, sweeps
 from experiments.shared.palette import OURS, PLAIN, THEIRS
@@ -18,9 +19,10 @@ def figures(done: Studied) -> dict[str, Figure]:
         "learning_curve": mirror_curve(done),
         "tries": tries(done),
         "harder_acts": sweeps(
-            {f"harder by {name.replace('_deg', '')}": sweep for name, sweep in done.harder.items()},
+            {HARDER[name][0]: sweep for name, sweep in done.harder.items()},
             1 / len(done.acts.parts),
             "put to the right part [%]",
+            f"Which part moved? {done.config.harder_acts} acts for each learner and point; all are told that one did",
         ),
     }
 

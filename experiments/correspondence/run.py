@@ -13,7 +13,7 @@ from babbling.mind import Mind
 from babbling.mirroring import MirrorExperience
 from babbling.organs import Organs, find_organs
 from babbling.pilot import Pilot, pilot
-from experiments.correspondence.acts import RULES, act_study, harder_acts
+from experiments.correspondence.acts import HARDER, RULES, act_study, harder_acts
 from experiments.correspondence.figures import figures
 from experiments.correspondence.found import Row, Studied
 from experiments.correspondence.options import Config
@@ -200,7 +200,7 @@ def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
         gaps = (
             f"{100 * mean:+.1f} ({100 * low:.1f} to {100 * high:.1f})" for mean, low, high in one["beyond"].values()
         )
-        harder.append((name, " ".join(f"{100 * r:.0f}" for r in one[RULES[0]]["right"]) + " %", *gaps))
+        harder.append((HARDER[name][0], " ".join(f"{100 * r:.0f}" for r in one[RULES[0]]["right"]) + " %", *gaps))
     noise = f"learned, {metrics['seeing_noise_deg']:g} deg of noise"
     return (
         f"**Whose body is this?** {metrics['mirror_body_minutes']:.1f} body-minutes in front of a mirror, "

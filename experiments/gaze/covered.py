@@ -62,18 +62,17 @@ def covered_eyes(
     before12, before18 = rates["12 months, before"], rates["14 and 18 months, before"]
     opaque12 = rates["12 months, after an opaque blindfold"]
     through18 = rates["14 and 18 months, after a see-through one"]
-    pair = [(row["hits"], row["n"]) for row in (before12["blindfold"], before12["headband"])]
-    gap, error = difference(pair[0], pair[1])
-    apart = alike(pair[0], pair[1], MARGIN)
+    blind, free = ((before12[cloth]["hits"], count) for cloth in ("blindfold", "headband"))
+    (gap, error), apart = difference(blind, free), alike(blind, free, MARGIN)
     return {
         "equivalence": {"margin": MARGIN, "p": apart, "interval_90": [gap - 1.645 * error, gap + 1.645 * error]},
         "rates": rates,
         "chance": 1 / len(TOYS),
         "signs": {
             "12 months: blindfold and headband alike": apart < 0.05,
-            "14 and 18 months: headband above blindfold": _gap(before18["headband"], before18["blindfold"]) > 1.96,
-            "12 months: less after an opaque blindfold": _gap(before12["blindfold"], opaque12["blindfold"]) > 1.96,
-            "18 months: more after a see-through one": _gap(through18["blindfold"], before18["blindfold"]) > 1.96,
+            "14 and 18 months: headband above blindfold": _above(before18["headband"], before18["blindfold"]),
+            "12 months: less after an opaque blindfold": _above(before12["blindfold"], opaque12["blindfold"]),
+            "18 months: more after a see-through one": _above(through18["blindfold"], before18["blindfold"]),
         },
     }
 
@@ -102,7 +101,7 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
     }
 
 
-def _gap(one: dict[str, Any], other: dict[str, Any]) -> float:
-    """By how many standard errors of the difference one rate lies above another."""
+def _above(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether one rate lies above another by 1.96 standard errors of the difference."""
     gap, error = difference((one["hits"], one["n"]), (other["hits"], other["n"]))
-    return gap / error
+    return gap > 1.96 * error

@@ -10,17 +10,21 @@ from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Following
 from experiments.gaze.trials import TOYS
 from experiments.shared.figures import sweeps
-from experiments.shared.palette import INKS, OURS, PLAIN
+from experiments.shared.palette import INKS, OURS
 
 
 def figures(found: Found) -> dict[str, Figure]:
     """All of them, by file stem."""
-    return {
+    drawn = {
         "episode": episode(found.episode),
         "calibration": calibration(found.calibration, found.calibration_error),
-        "preferences": preferences(found),
         "covered_eyes": covered(found.covered),
-    } | ({"crowds": sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at [%]")} if found.crowds else {})
+    }
+    if found.crowds is not None:
+        aim = f"a head that points at it within {found.who.config.aim_deg:g} deg (standard deviation, each axis)"
+        caption = f"Which of four beads is looked at? {aim}, and how it differs from what a reader expects"
+        drawn["crowds"] = sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at [%]", caption)
+    return drawn
 
 
 def episode(one: Following) -> Figure:
@@ -62,26 +66,6 @@ def calibration(bins: FloatArray, error: float) -> Figure:
     axes.set(ylabel="share that was right", title=f"calibration error {error:.3f}", ylim=(0, 1.1))
     counts.bar(bins[there, 0], bins[there, 2], 0.05, color="0.6")
     counts.set(xlabel="P of the most probable object", ylabel="trials", xlim=(0.2, 1.02))
-    return figure
-
-
-def preferences(found: Found) -> Figure:
-    """Pairs 6 degrees apart: which is taken, by gaze alone and with what the teacher is known to like."""
-    figure = Figure(figsize=(8.6, 3.8), layout="constrained")
-    bars, spread = figure.subplots(1, 2, width_ratios=[1, 1.3])
-    n = len(found.alone.right)
-    for x, (judged, colour, name) in enumerate(
-        ((found.alone, PLAIN, "gaze alone"), (found.preferred, OURS, "with preferences"))
-    ):
-        rate = judged.right.mean()
-        half = 1.96 * np.sqrt(rate * (1 - rate) / n)
-        bars.bar(x, 100 * rate, 0.6, color=colour, yerr=100 * half, capsize=4)
-        bars.annotate(f"{100 * rate:.1f} %", (x, 100 * (rate + half) + 1), ha="center", fontsize=9)
-        spread.hist(judged.probability[:, 1], np.linspace(0, 1, 21), histtype="step", color=colour, lw=2, label=name)
-    bars.set(xticks=[0, 1], xticklabels=["gaze alone", "with preferences"], ylim=(0, 112), ylabel="right [%]")
-    bars.set_title(f"{n} pairs 6 deg apart", fontsize=10)
-    spread.set(xlabel="P(the preferred toy)", ylabel="trials")
-    spread.legend(frameon=False, fontsize=9, loc="upper center")
     return figure
 
 

@@ -41,7 +41,7 @@ def learning_curve(
     return figure
 
 
-def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str) -> Figure:
+def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, caption: str) -> Figure:
     """Panels side by side, by title: how often every rule was right, means and 95 % intervals over learners."""
     figure = Figure(figsize=(3.1 * len(panels) + 0.8, 4.2), layout="constrained")
     row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
@@ -53,5 +53,6 @@ def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str) -> Figure:
         axes.set(title=title, xlabel=sweep.label, xticks=place, xticklabels=[f"{x:g}" for x in sweep.at], ylim=(0, 104))
         axes.title.set_size(10)
     row[0].set_ylabel(f"{ylabel}\nmean and 95 % over {len(next(iter(panels.values())).right)} learners")
+    figure.suptitle(caption, fontsize=11)
     figure.legend(*row[0].get_legend_handles_labels(), frameon=False, ncols=4, loc="outside lower center")
     return figure
