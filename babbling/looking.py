@@ -20,6 +20,7 @@ from itertools import count
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from babbling.axes import Axis, FloatArray, IntArray
 from babbling.body import Body
@@ -109,6 +110,16 @@ class LookingPilot:
             raise BabblingError("one or two eyes, and motors that are felt before them, are needed; babble anew")
 
     @property
+    def movers(self) -> IntArray:
+        """(2,) motor that carries things along u, and the one that does along v, by the efference copy of one eye."""
+        per_rad = self.line[:, 0].reshape(-1, self.retina.coordinates)[:, :2]
+        return np.asarray(linear_sum_assignment(-np.abs(per_rad.T))[1])
+
+    def posture(self, senses: FloatArray) -> FloatArray:
+        """(..., S) senses to the postures (..., M), motor by motor."""
+        return senses[..., self.schema.posture]
+
+    @property
     def motor(self) -> IntArray:
         """(F,) motor of each factor."""
         return np.repeat(np.arange(len(self.reach.low)), self.retina.coordinates)
@@ -127,7 +138,7 @@ class LookingPilot:
     def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
         """(N, S), (N, M), (N, S) to N * K rows: one for each kind of thing."""
         was, now = self.retina.things(before), self.retina.things(after)
-        posture = before[:, self.schema.posture]
+        posture = self.posture(before)
         change = self.schema.efference(motors) - posture
         context, action = self.situate(was, posture[:, None], change[:, None])
         alone = np.all(np.abs(change[:, self.others]) < STILL, axis=-1)
@@ -204,17 +215,32 @@ def saccades(
         yield schema.motors(posture)
 
 
+def wire_eyes(body: Body, seed: int) -> tuple[BodySchema, int]:
+    """Small saccades about the middle: which motor moves which posture sense, and how many ticks it took.
+
+    Raises:
+        BabblingError: a motor that moves nothing that is felt.
+    """
+    middle, half = (body.motor_high + body.motor_low) / 2, SMALL * (body.motor_high - body.motor_low) / 2
+    rng = np.random.default_rng([seed, 1])
+    about = (middle + half * (2 * rng.random((body.copies, len(half))) - 1) for _ in count())
+    return wire(body, about, slice(len(middle)))
+
+
 def pilot_looking(body: Body, reach: Reach, seed: int) -> LookingPilot:
     """The first saccades: which motor moves which posture sense, the efference copy's line, the outcome axis.
+
+    Args:
+        body: who looks.
+        reach: which postures are to be babbled, by sense line; the pilot's is by motor.
+        seed: randomness.
 
     Raises:
         BabblingError: a motor that moves nothing that is felt, or nothing to look at.
     """
     retina = Retina.of(body)
-    middle, half = (body.motor_high + body.motor_low) / 2, SMALL * (body.motor_high - body.motor_low) / 2
-    rng = np.random.default_rng([seed, 1])
-    about = (middle + half * (2 * rng.random((body.copies, len(half))) - 1) for _ in count())
-    schema, ticks = wire(body, about, slice(retina.first))
+    schema, ticks = wire_eyes(body, seed)
+    reach = Reach(*(bound[schema.posture] for bound in (reach.low, reach.high, reach.largest)))
     stream = saccades(reach, schema, body.copies, np.random.default_rng([seed, 2]))
     before, motors, after = flat(*explore(body, stream, PILOT_TICKS))
     minutes = (ticks + PILOT_TICKS) * body.tick_s * body.copies / 60

@@ -25,6 +25,7 @@ from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
 from models.robots import ROBOTS, head_of
 from models.senses import Channel, Senses
+from models.wiring import Wiring
 
 
 class Perceive(Protocol):
@@ -61,6 +62,7 @@ class SeeingBody:
         renderer: how images are made.
         copies, tick_s, seed: as in `SimulatedBody`; `seed` is that of pixel noise.
         rest: pan and tilt to rest at, rad; None is the robot's own rest.
+        scramble: seed of an unknown wiring of pan and tilt, or None for straight; eyes are never rewired.
 
     Raises:
         BodyError: a scene without the robot's eyes, or a tick that is no whole number of 20 ms.
@@ -78,6 +80,7 @@ class SeeingBody:
         tick_s: float = 1.4,
         seed: int = 0,
         rest: tuple[float, float] | None = None,
+        scramble: int | None = None,
     ) -> None:
         self.facts = head_of(robot)
         self.retina = retina or RetinaOptions()
@@ -101,9 +104,12 @@ class SeeingBody:
             Channel("place", "image position", "px", things, 0.0, size, (eyes, ("u", "v"))),
             Channel("area", "area", "px^2", things, 0.0, most, (eyes,), suffix="area"),
         ]
-        self.senses = Senses(channels if perceive.areas else channels[:2])
+        self.wiring = Wiring.straight(2, 2) if scramble is None else Wiring.scrambled(2, 2, scramble)
+        seen = len(Senses(channels[1 : 2 + perceive.areas]))
+        order = np.concatenate([self.wiring.sense, np.arange(2, 2 + seen)])
+        self.senses = Senses(channels[: 2 + perceive.areas], order)
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
-        self.fingerprint = head_fingerprint(robot)
+        self.fingerprint = head_fingerprint(robot, scramble)
         self.seed, self.time = seed, 0.0
         self.teacher_path: Callable[[float], FloatArray] | None = None
         """Seconds since `reset` to (B, 2) the teacher's pan and tilt, rad; None leaves it where it is."""
@@ -161,7 +167,7 @@ class SeeingBody:
         """Send (B, 2) motor lines, let the tick go by, look; (B, S) sensations. With eyes shut nothing is seen."""
         if np.shape(motors) != (self.copies, 2) or not np.isfinite(motors).all():
             raise BodyError(f"motor commands of shape {np.shape(motors)}: {(self.copies, 2)} finite numbers are needed")
-        target = self.heads.commands(self._both(motors))[:, :2]
+        target = self.heads.commands(self._both(self.wiring.fractions(motors) / 2))[:, :2]
         for _ in range(self._inner):
             self.time += INNER_S
             self._angles[:, :2], self._velocity = profile(
@@ -174,7 +180,7 @@ class SeeingBody:
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines (B, 2) that command pan and tilt (B, 2), for baselines and stage directions."""
-        return self.heads.command_angles(self._both(angles))[..., :2]
+        return self.wiring.lines(2 * self.heads.command_angles(self._both(angles))[..., :2])
 
     def images_per_second(self, looks: int = 60) -> float:
         """How quickly one core makes images of what copy 0's left eye sees (processor time, the best of three)."""
@@ -215,13 +221,13 @@ def still(pose: FloatArray) -> Callable[[float], FloatArray]:
     return lambda time: pose
 
 
-@lru_cache(maxsize=len(ROBOTS))
-def head_fingerprint(robot: str) -> str:
+@lru_cache(maxsize=4 * len(ROBOTS))
+def head_fingerprint(robot: str, scramble: int | None = None) -> str:
     """Of the robot and its head alone, whatever it looks at."""
-    return watching_body(robot).fingerprint
+    return watching_body(robot, scramble=scramble).fingerprint
 
 
-def watching_body(robot: str, *, copies: int = 1) -> SimulatedBody:
+def watching_body(robot: str, *, copies: int = 1, scramble: int | None = None) -> SimulatedBody:
     """The head alone at a tick of 20 ms, its motors fed with set-points: for movements, not for jumps."""
     motors, model = head_of(robot).motors, compiled(ROBOTS[robot])
-    return SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=motors)
+    return SimulatedBody(model, name=robot, copies=copies, threads=1, tick_s=INNER_S, motors=motors, scramble=scramble)

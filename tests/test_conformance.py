@@ -8,7 +8,7 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -175,6 +175,7 @@ BODIES: dict[str, Callable[[], Body]] = {
     "scrambled": partial(load_body, "hoap2", copies=2, threads=1, noise=NOISE, scramble=1),
     **{f"head of {name}": partial(watching_body, name, copies=2) for name, one in ROBOTS.items() if one.head},
     "among toys": partial(nursery, EYES, 0, copies=2),
+    "wires crossed": partial(nursery, replace(EYES, scramble=1), 0, copies=2),
     "before a face": partial(open_eyes, EYES, FIND_FACE, copies=2, tick_s=0.2, seed=0, teacher=True, distance=0.5),
     "maze": partial(MazeBody, parse_maze(HALL), copies=2),
     "creature": partial(Creature, copies=2),

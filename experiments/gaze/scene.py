@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray
-from experiments.gaze.trials import TOYS, Watcher, table_body, toys_seen, view
+from experiments.gaze.trials import TOYS, Watcher, table_body, tilt_of, toys_seen, view
 from experiments.shared.caregiver import FACE, face_numbers
 from imitation.gaze.fixation import Fixation
 from imitation.gaze.reader import Preferences
@@ -85,7 +85,7 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
         face, (things, area) = face_numbers(body, senses)[0], toys_seen(body, senses, mind, names)
         watching.ahead()
         pose = watching.see(face).mean[:2]
-        where = gaze.geometry.locate(things[0], body.senses.read(senses, "angle", ("tilt",))[0, 0])
+        where = gaze.geometry.locate(things[0], tilt_of(mind, senses)[0])
         if np.isfinite(where).all() and watching.belief is not None:
             if not np.isfinite(expected).all():
                 expected = gaze.imagined(where, head) + gaze.bias
@@ -100,7 +100,7 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     chosen = int(belief.argmax())
     fixation = Fixation(mind)
     for number in range(2):
-        things, posture = toys_seen(body, senses, mind, names)[0], body.senses.read(senses, "angle")
+        things, posture = toys_seen(body, senses, mind, names)[0], mind.pilot.posture(senses)
         saccade = fixation.choose(np.nan_to_num(things[:, chosen]), posture, rng)
         events.append((len(images) * FRAME_S, f"looks at {names[chosen]}" if not number else "corrects"))
         after = mind.expect(things[0], np.repeat(posture, count, 0), np.repeat(saccade.change, count, 0))

@@ -107,6 +107,11 @@ def straight(aim: FloatArray, spread: float, rng: np.random.Generator) -> FloatA
     return aim + spread * rng.standard_normal(aim.shape)
 
 
+def tilt_of(mind: LookingMind, senses: FloatArray) -> FloatArray:
+    """(..., S) senses to the felt posture (...) of the neck that carries things up and down, rad."""
+    return mind.pilot.posture(senses)[..., mind.pilot.movers[1]]
+
+
 def run_trials(
     body: SeeingBody,
     who: Watcher,
@@ -148,7 +153,7 @@ def run_trials(
             places, target, body.teacher_angles, things, np.sqrt(np.maximum(area, 1.0)),
             pose=np.array([frame_pose(who.appearance, face) for face in face_numbers(body, senses)]),
             eyes_seen=np.asarray(np.isfinite(body.senses.read(senses, "place", EYES)[..., 0]).any((1, 2))),
-            tilt=body.senses.read(senses, "angle", ("tilt",))[:, 0],
+            tilt=tilt_of(who.eyes, senses),
             looked=np.full((copies, 2), np.nan),
             image=batches[0].image if batches else body.images[0],
         )  # fmt: skip
@@ -173,7 +178,7 @@ def _look(
     fixation = Fixation(mind)
     every = np.arange(len(chosen))
     for _ in range(2):
-        things, posture = toys_seen(body, senses, mind, toys)[0], body.senses.read(senses, "angle")
+        things, posture = toys_seen(body, senses, mind, toys)[0], mind.pilot.posture(senses)
         saccade = fixation.choose(np.nan_to_num(things[every, chosen]), posture, rng)
         senses = body.act(mind.pilot.schema.motors(posture + saccade.change))
     away = np.linalg.norm(toys_seen(body, senses, mind, toys)[0][..., :2], axis=-1)
@@ -185,7 +190,8 @@ def geometry(mind: LookingMind) -> Geometry:
     """Pixels per radian of turning at the image's middle: what oculomotor babbling says of one's own eyes."""
     step = 0.02
     middle = np.zeros((2, 4))
-    change = np.array([[0.0, step], [0.0, -step]])
+    change = np.zeros((2, 2))
+    change[:, mind.pilot.movers[1]] = step, -step
     moved = mind.expect(middle, np.zeros((2, 2)), change)
     return Geometry(float(abs(moved[0, 1] - moved[1, 1]) / (2 * step)))
 
@@ -209,11 +215,12 @@ def lesson_for_gaze(
     body = table_body(config, COPIES, seed, TURN_S)
     body.teacher_path = still(np.zeros((COPIES, 2)))
     senses = body.reset()
-    tilt = body.senses.read(senses, "angle", ("tilt",))[:, 0]
+    tilt = tilt_of(mind, senses)
     where = geometry(mind)
     places = where.locate(toys_seen(body, senses, mind, FACE)[0], tilt[:, None])
     head = np.nanmedian(places.reshape(-1, 3), axis=0)
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])
-    appearance = mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
+    lines = mind.pilot.schema.posture[mind.pilot.movers]
+    appearance = mirrored(body, lines, low, high, count, np.random.default_rng([seed, 0x1E6]), report)
     naive = GazeReader((Fixation(mind, eye=0), Fixation(mind, eye=1)), where, WATCH_TILT)
     return Watcher(config, mind, appearance, head, naive)

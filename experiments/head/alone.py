@@ -43,13 +43,13 @@ def from_memory(config: Config) -> Result:
     """
     assert config.memory is not None
     memory = load(config.memory, HeadMemory)
-    memory.check(head_fingerprint(config.robot))
+    memory.check(head_fingerprint(config.robot, config.scramble))
     beside = config.memory.with_name("mind.nc")
     if not beside.exists():
         raise ExperimentError(f"--memory {config.memory}: its mind.nc must lie beside it; keep the run's folder whole")
     mind = load(beside, Mind)
-    mind.check(watching_body(config.robot))
-    imitated = reproduce(memory, mind, config.robot, config.selection, config.seed)
+    mind.check(watching_body(config.robot, scramble=config.scramble))
+    imitated = reproduce(memory, mind, config.robot, config.selection, config.seed, config.scramble)
     away = rmse_deg(imitated, memory.pose)
     metrics: dict[str, Any] = {
         "robot": config.robot,

@@ -1,7 +1,7 @@
 """Reproducing a remembered head movement; also as a process of its own, that has neither babbled nor watched.
 
-`python -m experiments.head.recall FOLDER ROBOT SELECTION SEED` reads memory.nc and mind.nc in a folder and leaves the
-performed angles there as an array.
+`python -m experiments.head.recall FOLDER ROBOT SELECTION SEED [SCRAMBLE]` reads memory.nc and mind.nc in a folder and
+leaves the performed angles there as an array.
 """
 
 import sys
@@ -20,34 +20,39 @@ from imitation.deferred import HeadMemory
 from models.seeing_body import head_fingerprint, watching_body
 
 
-def reproduce(memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int) -> FloatArray:
+def reproduce(
+    memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int, scramble: int | None = None
+) -> FloatArray:
     """(T, 2) true angles of the imitator while it performs what it remembers: the match-to-target loop with Eq. (1)."""
-    memory.check(head_fingerprint(robot))
-    body = watching_body(robot)
+    memory.check(head_fingerprint(robot, scramble))
+    body = watching_body(robot, scramble=scramble)
     senses = np.full((len(memory.pose), len(body.sense_low)), np.nan)
     low, high = mind.pilot.schema.efference(np.stack([body.motor_low, body.motor_high]))
-    senses[:, mind.pilot.schema.posture] = np.clip(memory.pose, np.minimum(low, high), np.maximum(low, high))
+    pose = memory.pose[:, np.argsort(body.wiring.motor)]  # by motor, as it was felt
+    senses[:, mind.pilot.schema.posture] = np.clip(pose, np.minimum(low, high), np.maximum(low, high))
     movement = Movement(memory.name, memory.tick_s, senses)
     rng = np.random.default_rng([seed, 0xDEF])
     attempt = imitate(body, movement, mind, selection=selection, rng=rng, witness=lambda: body.joint_angles)[0]
     return np.asarray(attempt.truth[:, 0])
 
 
-def reproduce_elsewhere(memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int) -> FloatArray:
+def reproduce_elsewhere(
+    memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int, scramble: int | None = None
+) -> FloatArray:
     """The same in a process of its own.
 
     Raises:
         ExperimentError: the process failed; its last line is told.
     """
     files = {"memory.nc": partial(save, memory), "mind.nc": partial(save, mind)}
-    return in_new_process(__name__, files, robot, selection, seed)["angles"]
+    return in_new_process(__name__, files, robot, selection, seed, *([] if scramble is None else [scramble]))["angles"]
 
 
 def main(words: list[str]) -> None:
     """See the module."""
-    folder, robot, selection, seed = Path(words[0]), words[1], words[2], int(words[3])
+    folder, robot, selection, seed, *scramble = Path(words[0]), words[1], words[2], *map(int, words[3:])
     memory, mind = load(folder / "memory.nc", HeadMemory), load(folder / "mind.nc", Mind)
-    np.savez(folder / RESULT, angles=reproduce(memory, mind, robot, selection, seed))
+    np.savez(folder / RESULT, angles=reproduce(memory, mind, robot, selection, seed, *scramble))
 
 
 if __name__ == "__main__":

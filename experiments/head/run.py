@@ -63,7 +63,8 @@ def run(config: Config) -> Result:
     with progress("the caregiver mirrors") as report:
         appearance = lesson(config, config.lessons, config.seed, config.distance, report)
     with progress("babbling with the neck"):
-        mind = learn(watching_body(config.robot, copies=MIND_COPIES), minutes=config.babbling_minutes, seed=config.seed)
+        neck = watching_body(config.robot, copies=MIND_COPIES, scramble=config.scramble)
+        mind = learn(neck, minutes=config.babbling_minutes, seed=config.seed)
     with progress("watching") as report:
         sequences, paths, strays = _watch(config, report)
     kept: dict[str, list[Kept]] = {}
@@ -127,14 +128,15 @@ def within_reach(path: FloatArray, robot: str) -> FloatArray:
 
 def remembered(config: Config, watched: Watched) -> HeadMemory:
     """What lasts of a watched sequence."""
-    return HeadMemory(head_fingerprint(config.robot), TICK_S, config.movement, watched.pose, watched.deviation)
+    whose = head_fingerprint(config.robot, config.scramble)
+    return HeadMemory(whose, TICK_S, config.movement, watched.pose, watched.deviation)
 
 
 def _perform(config: Config, mind: Mind, watched: Watched, seed: int) -> tuple[FloatArray, FloatArray]:
     """(T, 2) true angles: the estimate imitated, and each frame's raw estimate replayed."""
     do = reproduce_elsewhere if config.deferred else reproduce
-    imitated = do(remembered(config, watched), mind, config.robot, config.selection, seed)
-    body = watching_body(config.robot)
+    imitated = do(remembered(config, watched), mind, config.robot, config.selection, seed, config.scramble)
+    body = watching_body(config.robot, scramble=config.scramble)
     body.reset()
     replayed = np.empty_like(imitated)
     for _ in range(100):
@@ -179,9 +181,10 @@ def _metrics(found: Found) -> dict[str, Any]:
 
 def _files(found: Found) -> dict[str, Callable[[Path], None]]:
     memory, robot = remembered(found.config, found.sequences[0].watched), found.config.robot
+    body = watching_body(robot, scramble=found.config.scramble)
     return {
         "memory.nc": lambda path: save(memory, path, {"axis": ("pan", "tilt")}),
-        "mind.nc": lambda path: save(found.mind, path, people_say(watching_body(robot)), robot=robot),
+        "mind.nc": lambda path: save(found.mind, path, people_say(body), robot=robot),
     }
 
 

@@ -124,7 +124,7 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
     visits, last = np.zeros(len(TOYS), int), -1
     expected, event = np.full((len(TOYS), 4), np.nan), "at rest"
     while True:
-        things, posture = retina.things(senses)[0], body.senses.read(senses, "angle")
+        things, posture = retina.things(senses)[0], mind.pilot.posture(senses)
         places = (things + retina.centre, expected + retina.centre)
         glances.append(Glance(body.images[0], *places, body.joint_angles[0].copy(), event))
         if len(glances) > looks:

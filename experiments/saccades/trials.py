@@ -54,7 +54,7 @@ def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) 
     )
     before, motors, after = flat(*explore(body, stream, count))
     was, now = (mind.pilot.retina.things(s) for s in (before, after))
-    posture = before[:, mind.pilot.schema.posture]
+    posture = mind.pilot.posture(before)
     change = mind.pilot.schema.efference(motors) - posture
     things = was.shape[1]
     rows = Predicted(
@@ -117,7 +117,7 @@ def fixate(
         middle = (reach.low + reach.high) / 2
         posture = middle + (reach.high - reach.low) / 2 * 0.4 * (2 * rng.random((body.copies, 2)) - 1)
         senses = body.act(schema.motors(posture))
-        things, posture = retina.things(senses), body.senses.read(senses, "angle")
+        things, posture = retina.things(senses), mind.pilot.posture(senses)
         target = np.full(body.copies, -1)
         for copy in copies:
             central = np.abs(things[copy, :, :2]) < CENTRAL * retina.half[:2]
@@ -128,7 +128,7 @@ def fixate(
         starts.append(things[copies, target, :2][tried])
         for _ in range(2):
             thing = things[copies, target]
-            posture = body.senses.read(senses, "angle")
+            posture = mind.pilot.posture(senses)
             saccade = fixation.choose(np.nan_to_num(thing), posture, rng)
             uninformed += int(saccade.uninformed[tried].sum())
             senses = body.act(schema.motors(posture + saccade.change))
@@ -141,7 +141,8 @@ def fixate(
 
 def within_reach(mind: LookingMind, things: FloatArray, posture: FloatArray) -> BoolArray:
     """(K,) whether a thing can be looked at at all: the saccade there ends at a posture within reach."""
-    per_px = 1.0 / mind.pilot.line[[0, 5], 0]
-    goal = posture - np.nan_to_num(things[:, :2]) * per_px
-    inside = (goal > mind.pilot.reach.low) & (goal < mind.pilot.reach.high)
+    reach, movers = mind.pilot.reach, mind.pilot.movers
+    per_px = 1.0 / mind.pilot.line[movers * mind.pilot.retina.coordinates + (0, 1), 0]
+    goal = posture[movers] - np.nan_to_num(things[:, :2]) * per_px
+    inside = (goal > reach.low[movers]) & (goal < reach.high[movers])
     return np.asarray(inside.all(1) & np.isfinite(things[:, 0]))

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.looking import wire_eyes
 from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Finder
@@ -47,30 +48,34 @@ def lesson(
 ) -> Appearance:
     """Taking turns: the imitator takes a posture and looks back, the caregiver repeats it and is looked at."""
     body = open_eyes(eyes, FIND_FACE, copies=LESSON_COPIES, tick_s=TURN_S, seed=seed, teacher=True, distance=distance)
-    body.reset()
     reach = reach_of(eyes.robot)
+    schema, _ = wire_eyes(body, seed)
+    lines = schema.posture[body.wiring.motor]  # by joint: people's order, undone in `experiments.head.recall`
+    body.reset()
     low = np.maximum([-LESSON_PAN, -LESSON_TILT], reach.low)
     high = np.minimum([LESSON_PAN, LESSON_TILT], reach.high)
-    return mirrored(body, low, high, count, np.random.default_rng([seed, 0x1E5]), report)
+    return mirrored(body, lines, low, high, count, np.random.default_rng([seed, 0x1E5]), report)
 
 
 def mirrored(
     body: SeeingBody,
+    lines: IntArray,
     low: FloatArray,
     high: FloatArray,
     count: int,
     rng: np.random.Generator,
     report: Callable[[float], None],
 ) -> Appearance:
-    """What heads look like at `count` random postures between (2,) `low` and `high`, rad."""
+    """What heads look like at `count` random postures between (2,) `low` and `high`, rad, felt on (2,) sense lines."""
     rest = body.command_angles(np.tile(body.rest, (body.copies, 1)))
     postures, seen = [], []
     rounds = -(-count // body.copies)
     sighting = np.repeat(np.arange(2 * len(FACE)), NUMBERS)  # the feature and eye that each number belongs to
     for turn in range(rounds):
         wanted = low + (high - low) * rng.random((body.copies, 2))
-        felt = body.senses.read(body.act(body.command_angles(wanted), look=False), "angle")
-        body.teacher_path = still(felt + np.deg2rad(CARE_DEG) * rng.standard_normal(felt.shape))
+        senses = body.act(body.command_angles(wanted), look=False)
+        taken, felt = body.senses.read(senses, "angle"), senses[:, lines]  # what the caregiver sees, what is felt
+        body.teacher_path = still(taken + np.deg2rad(CARE_DEG) * rng.standard_normal(taken.shape))
         seen.append(face_numbers(body, body.act(rest)))
         postures.append(felt)
         report((turn + 1) / rounds)

@@ -59,7 +59,7 @@ def open_eyes(
     model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls).compile()
     return SeeingBody(
         model, eyes.robot, perceive, retina=retina_of(eyes), renderer=eyes.renderer, copies=copies, tick_s=tick_s,
-        seed=seed, rest=rest,
+        seed=seed, rest=rest, scramble=eyes.scramble,
     )  # fmt: skip
 
 
@@ -123,7 +123,8 @@ def learn_to_look(
         BabblingError: no time at all.
     """
     plan = bouts(minutes, body, BOUT)
-    found = pilot_looking(body, reach_of(body.robot), seed)
+    reach, line = reach_of(body.robot), body.wiring.sense  # of pan and of tilt; told by sense line, as ranges are
+    found = pilot_looking(body, Reach(reach.low[line], reach.high[line], reach.largest[line]), seed)
     done = np.cumsum(plan) * body.tick_s * body.copies / 60
 
     def told(bout: int, model: ForwardModel) -> None:

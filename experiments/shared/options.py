@@ -152,6 +152,8 @@ class EyeOptions(Options):
 
     robot: Annotated[str, known(head_of)] = "biclops"
     """biclops or hoap2."""
+    scramble: Annotated[int, within(0)] | None = None
+    """Seed of an unknown wiring between mind and neck."""
     noise: float = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
     width: int = 160

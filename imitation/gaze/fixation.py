@@ -1,8 +1,8 @@
 """Looking at something: Eq. (1) with an image position as the sub-goal.
 
 Where a thing is on the retina is the state, in the middle is where it should be, a saccade is the action. Motors are
-asked one after the other, as the forward model of looking chains them: motor 0 for the change that takes the thing's u
-to the sub-goal, then, from where the thing is then expected, motor 1 for v.
+asked one after the other, as the forward model of looking chains them: the one that carries things along u for the
+change that takes the thing's u to the sub-goal, then, from where the thing is then expected, the other one for v.
 """
 
 from typing import NamedTuple
@@ -48,23 +48,25 @@ class Fixation:
     ) -> Saccade:
         """(N, C) things from the image's middle and (N, 2) postures to saccades; `goal` is (u, v) from the middle."""
         change, uninformed = np.zeros((len(things), 2)), np.zeros(len(things), bool)
-        for motor in range(2):
+        for coordinate, motor in enumerate(self.mind.pilot.movers):
             here = self.mind.expect(things, posture, change)
-            posterior, fallback = self.posterior(motor, here, posture + change, goal[motor])
+            posterior, fallback = self.posterior(coordinate, here, posture + change, goal[coordinate])
             chosen = self.rule(posterior.probability[:, None], self.candidates[motor], rng)[:, 0]
             change[:, motor] = np.where(posterior.informed, chosen, fallback)
             uninformed |= ~posterior.informed
         return Saccade(change, uninformed)
 
     def posterior(
-        self, motor: int, things: FloatArray, posture: FloatArray, goal: float
+        self, coordinate: int, things: FloatArray, posture: FloatArray, goal: float
     ) -> tuple[Posterior, FloatArray]:
-        """Eq. (1) for one motor over its candidates: P(a | s, s' = goal); beside it what the efference copy would do.
+        """Eq. (1) for the motor of u (0) or v (1) over its candidates: P(a | s, s' = goal); beside it what the
+        efference copy would do.
 
         The prior is uniform over the changes that stay within reach.
         """
         pilot, model = self.mind.pilot, self.mind.forward_model
-        factor = motor * pilot.retina.coordinates + 2 * self.eye + motor
+        motor, seen = int(pilot.movers[coordinate]), 2 * self.eye + coordinate
+        factor = motor * pilot.retina.coordinates + seen
         mine = slice(factor, factor + 1)
         actions = self.candidates[motor].points[0]
         shape = (len(things), CANDIDATES, 1)
@@ -73,7 +75,7 @@ class Fixation:
             for value in (things[:, 2 * self.eye], things[:, 2 * self.eye + 1], posture[:, 1 - motor])
         )
         action = np.broadcast_to(actions[:, None], shape)
-        wanted = goal - things[:, None, None, 2 * self.eye + motor]
+        wanted = goal - things[:, None, None, seen]
         outcome = wanted - pilot.straight(context, action, mine)
         axes = [axis.of(factor) for axis in model.axes]
         likelihood = located(1, axes, (*context, action, outcome)).read(model.predictive[mine])[..., 0]

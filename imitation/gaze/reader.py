@@ -86,14 +86,16 @@ class GazeReader:
     covariance: FloatArray = field(default_factory=lambda: np.diag([0.1, 0.1]) ** 2)
 
     def imagined(self, places: FloatArray, head: FloatArray, origin: FloatArray | None = None) -> FloatArray:
-        """(N, 2) poses with which I would look at (N, 3) places, were my eyes in the other's head at (3,)."""
+        """(N, 2) poses with which I would look at (N, 3) places, were my eyes in the other's head at (3,): the posture
+        that carries things along u first, then that along v."""
         offset = self.origin if origin is None else origin
         mine = facing(places, head) - offset
         things = self.geometry.appear(mine, self.tilt)
-        posture = np.tile([0.0, self.tilt], (len(things), 1))
+        movers = self.fixations[0].mind.pilot.movers
+        posture = np.tile(np.array([0.0, self.tilt])[np.argsort(movers)], (len(things), 1))
         rng = np.random.default_rng(0)  # the mean of Eq. (1)'s posterior asks nothing of it
         turns = [fixation.choose(things, posture, rng).change for fixation in self.fixations]
-        return np.asarray(posture + (turns[0] + turns[1]) / 2)
+        return np.asarray((posture + (turns[0] + turns[1]) / 2)[:, movers])
 
     def learned(self, places: FloatArray, pose: FloatArray, head: FloatArray) -> "GazeReader":
         """With origin, bias and covariance from trials whose goals, at (N, 3) places, were shown afterwards: (N, 2)

@@ -93,6 +93,37 @@ def test_one_saccade_of_equation_one_brings_a_thing_to_the_middle(mind: LookingM
     assert away.max() < 0.8
 
 
+class CrossedHead(GeometricHead):
+    """Its first motor tilts, the wrong way round and half as far; its second pans; sense lines are crossed as well."""
+
+    def act(self, motors: np.ndarray) -> np.ndarray:
+        return super().act(motors[:, ::-1] * (1.0, -0.5))
+
+    def _see(self) -> np.ndarray:
+        senses = super()._see()
+        return np.concatenate([senses[:, 1::-1], senses[:, 2:]], axis=1)
+
+
+def test_a_neck_with_crossed_wires_looks_as_well(mind: LookingMind) -> None:
+    """Reach is told by sense line; which motor has which, and which carries things along u, is found."""
+    assert mind.pilot.movers.tolist() == [0, 1]
+    body = CrossedHead()
+    found = pilot_looking(body, Reach(REACH.low[::-1], REACH.high[::-1], REACH.largest[::-1]), 0)
+    assert (found.schema.posture.tolist(), found.movers.tolist()) == ([0, 1], [1, 0])
+    np.testing.assert_allclose(found.schema.slope, (-0.45, 0.9), rtol=1e-6)
+    np.testing.assert_array_equal(found.reach.low, REACH.low[::-1])
+    fixation = Fixation(LookingMind(found, babble(body, found, (20,) * 6, 0), 2.0))
+    judge = CrossedHead(seed=3, noise=0.0)
+    senses = judge.reset()
+    things = found.retina.things(senses)
+    central = (np.abs(things[..., :2]) < 0.7 * HALF).all(-1)
+    target, use, every = central.argmax(1), central.any(1), np.arange(judge.copies)
+    posture = found.posture(senses)
+    saccade = fixation.choose(np.nan_to_num(things[every, target]), posture, np.random.default_rng(0))
+    after = found.retina.things(judge.act(found.schema.motors(posture + saccade.change)))
+    assert np.hypot(*after[every, target, :2].T)[use].max() < 0.8
+
+
 def test_efference_copy_says_that_nothing_moves_when_nothing_is_done() -> None:
     assert not copy_terms(np.zeros(3), np.ones(3), np.ones(3), np.ones(3)).any()
     assert copy_terms(np.ones(1), *np.ones((3, 1))).shape == (1, 15)

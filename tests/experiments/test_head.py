@@ -5,11 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import experiments.shared.caregiver
 from babbling.errors import BabblingError
 from babbling.files import load, save
 from experiments.errors import ExperimentError
 from experiments.head.run import Config, run, within_reach
+from experiments.shared.caregiver import lesson
 from experiments.shared.judging import rmse_deg
+from experiments.shared.options import EyeOptions
 from imitation.deferred import HeadMemory
 from imitation.errors import ImitationError
 from imitation.seeing.pose import Appearance, frame_pose, watch
@@ -63,6 +66,19 @@ def test_filtering_beats_each_frame_alone_through_noise_hiding_and_half_hidden_f
     assert rmse_deg(seen.pose, truth) < 0.7 * rmse_deg(seen.raw, truth)
     assert seen.used[97] == 0 and 0 < seen.used[98] <= 8  # ticks without an image use nothing; the nose is left out
     assert (seen.deviation[86] > 2 * seen.deviation[40]).all()  # it knows that it did not see
+
+
+def test_a_neck_with_unknown_wires_is_taught_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Postures are found among the senses; by joint, as people name them, the lesson is the same."""
+    taught: list[tuple[np.ndarray, ...]] = []
+    monkeypatch.setattr(Appearance, "learned", lambda *lesson: taught.append(lesson))
+    monkeypatch.setattr(experiments.shared.caregiver, "LESSON_COPIES", 8)
+    for wires in (None, 2):
+        lesson(EyeOptions(width=16, height=12, noise=0, scramble=wires), 8, 0, 0.5)
+    (felt, seen, _), (same, again, _) = taught
+    assert len(felt) == 8 and np.ptp(felt, axis=0).min() > 0.2
+    np.testing.assert_allclose(same, felt, atol=1e-9)
+    np.testing.assert_allclose(again, seen, atol=1e-6)
 
 
 def test_one_frame_gives_the_likeliest_pose_or_says_nothing(appearance: Appearance) -> None:

@@ -50,6 +50,21 @@ def test_a_saccade_arrives_and_moves_the_image_the_other_way(body: SeeingBody) -
     assert len(moved) and (moved[:, 0] > 0).all() and (moved[:, 1] < 0).all()  # left turn: things go right
 
 
+def test_unknown_wires_move_the_same_neck_and_show_the_same(body: SeeingBody) -> None:
+    crossed = nursery(EyeOptions(width=80, height=60, scramble=2), 0, copies=2)
+    assert crossed.fingerprint != body.fingerprint
+    assert crossed.wiring.motor.tolist() == crossed.wiring.sense.tolist() == [1, 0]
+    shown = []
+    for one in (body, crossed):
+        one.reset()
+        felt = one.act(one.command_angles(np.array([[0.2, 0.1], [-0.3, 0.05]])))
+        shown.append((one.senses.read(felt, "angle"), one.senses.read(felt, "place"), felt[:, :2]))
+    (angles, places, straight), (same, again, lines) = shown
+    np.testing.assert_allclose(same, angles, atol=1e-9)
+    np.testing.assert_allclose(again, places, atol=0.05)
+    np.testing.assert_allclose(lines, straight[:, ::-1], atol=1e-9)
+
+
 def test_motor_commands_must_be_numbers_of_the_right_shape(body: SeeingBody) -> None:
     with pytest.raises(BodyError, match="finite numbers are needed"):
         body.act(np.full((2, 2), np.nan))

@@ -30,7 +30,7 @@ def known_eye(seed: int = 0, flat: bool = False) -> Any:
     def expect(things: np.ndarray, posture: np.ndarray, change: np.ndarray) -> np.ndarray:
         return things + FOCAL * np.tile(change, 2)
 
-    pilot = SimpleNamespace(retina=SimpleNamespace(coordinates=4), reach=REACH, straight=straight)
+    pilot = SimpleNamespace(retina=SimpleNamespace(coordinates=4), reach=REACH, straight=straight, movers=np.arange(2))
     return SimpleNamespace(pilot=pilot, forward_model=SimpleNamespace(axes=axes, predictive=table), expect=expect)
 
 
