@@ -37,43 +37,36 @@ def intents(observers: Experience, seed: int, smoothing: float, report: Report) 
     """Each observer judges one unseen walk to each goal; the goal prior is uniform, as the walks are balanced."""
     maze, goals, copies = observers.maze, len(observers.maze.goals), observers.body.copies
     body = MazeBody(maze, copies=copies, seed=(seed, 24))
-    goal_priors = {"": np.full(goals, 1 / goals), "_uneven_prior": half_for_the_first(goals)}
+    even, uneven = np.full(goals, 1 / goals), half_for_the_first(goals)
     crossing, tables = junctions(maze), believed(observers.forward_model)
     rows: dict[str, list[float]] = defaultdict(list)
-    entropy: dict[str, list[float]] = {}
+    entropy: dict[str, list[float]] = {name: [] for name in ("uniform", "uneven", "uniform_goal_1", "uneven_goal_1")}
     by_share: dict[str, list[BoolArray]] = defaultdict(list)
     toss = np.random.default_rng([seed, 26])
     for goal in range(goals):
         walks = demonstrate(body, goal + 1, np.random.default_rng([seed, 25, goal]))
         for k, (walk, priors) in enumerate(zip(walks, observers.priors, strict=True)):
             episode = watched(walk, maze)
-            likelihood = step_likelihood(maze, tables[k], episode)
-            at_junction = np.isin(episode.states[:-1], crossing)
-            seen_so_far = np.ceil(SHARES * walk.steps).astype(int)
-            votes = {rule: scores[seen_so_far] for rule, scores in rules_of_thumb(maze, episode.states).items()}
-            for label, goal_prior in goal_priors.items():
-                seen = infer(priors, episode, goal_prior, smoothing)
-                places_alone = infer(priors, episode, goal_prior, smoothing, likelihood)
-                if not label:
-                    for rule, belief in (("filter", seen.filtered), ("filter, places alone", places_alone.filtered)):
-                        votes[rule] = belief.probability[seen_so_far - 1]
-                for name, belief in (
-                    ("filter", seen.filtered),
-                    ("filter_plain", seen.filtered_plain),
-                    ("step", seen.by_step),
-                    ("unseen_filter", places_alone.filtered),
-                    ("unseen_step", places_alone.by_step),
-                ):
-                    right = belief.probability.argmax(1) == goal
-                    accuracy = right.mean() if name.endswith("step") else right[-1]
-                    rows[f"intent_{name}_accuracy{label}"].append(accuracy)
-                    rows[f"intent_{name}_log_loss{label}"].append(-np.log2(belief.probability[:, goal]).mean())
-                    rows[f"intent_{name}_uninformed_steps{label}"].append(belief.uninformed_steps)
-                    if name == "step":
-                        rows[f"intent_step_end_accuracy{label}"].append(right[-1])
-                prior_name = "uneven" if label else "uniform"
-                for name in [prior_name, f"{prior_name}_goal_1"][: 2 if goal == 0 else 1]:
-                    entropy.setdefault(name, []).extend(seen.by_step.entropy[at_junction])
+            seen = infer(priors, episode, even, smoothing)
+            unseen = infer(priors, episode, even, smoothing, step_likelihood(maze, tables[k], episode))
+            for name, belief in {
+                "filter": seen.filtered,
+                "step": seen.by_step,
+                "unseen_filter": unseen.filtered,
+                "unseen_step": unseen.by_step,
+            }.items():
+                right = belief.probability.argmax(1) == goal
+                rows[f"intent_{name}_accuracy"].append(right.mean() if name.endswith("step") else right[-1])
+                rows[f"intent_{name}_log_loss"].append(-np.log2(belief.probability[:, goal]).mean())
+                rows[f"intent_{name}_uninformed_steps"].append(belief.uninformed_steps)
+            told = (seen.by_step, infer(priors, episode, uneven, smoothing).by_step)
+            for name, one in zip(("uniform", "uneven"), told, strict=True):
+                for kind in ("", "_goal_1") if goal == 0 else ("",):
+                    entropy[name + kind].extend(one.entropy[np.isin(episode.states[:-1], crossing)])
+            by_now = np.ceil(SHARES * walk.steps).astype(int)
+            votes = {rule: scores[by_now] for rule, scores in rules_of_thumb(maze, episode.states).items()}
+            votes["filter"] = seen.filtered.probability[by_now - 1]
+            votes["filter, places alone"] = unseen.filtered.probability[by_now - 1]
             for rule, vote in votes.items():  # ties are tossed for
                 best = np.isclose(vote, vote.max(1, keepdims=True), rtol=0, atol=1e-9)
                 by_share[rule].append(np.where(best, toss.random(vote.shape), -1.0).argmax(1) == goal)

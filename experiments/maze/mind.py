@@ -138,8 +138,6 @@ class Inferred(NamedTuple):
     """Eq. (2) at each step by itself, P(s | g) included."""
     filtered: Intent
     """The Bayes filter; priors in doubt whether a state tells goals apart."""
-    filtered_plain: Intent
-    """The Bayes filter on the same priors as `by_step`."""
 
 
 def step_likelihood(maze: Maze, table: FloatArray, episode: Episode) -> FloatArray:
@@ -166,8 +164,7 @@ def infer(
     plain = step_evidence(priors.action(smoothing), states, actions, likelihood)
     here = priors.state(smoothing)[:, states].T
     doubtful = step_evidence(priors.doubtful(smoothing), states, actions, likelihood) if smoothing > 0 else plain
-    filtered, filtered_plain = (intent_filter(evidence, goal_prior) for evidence in (doubtful, plain))
-    return Inferred(intent_by_step(plain, goal_prior, here), filtered, filtered_plain)
+    return Inferred(intent_by_step(plain, goal_prior, here), intent_filter(doubtful, goal_prior))
 
 
 def half_for_the_first(goals: int) -> FloatArray:

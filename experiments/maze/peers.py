@@ -17,7 +17,6 @@ MANY = 10
 class Learner(NamedTuple):
     """One setting of Q-learning, textbook and optimistic ones side by side."""
 
-    name: str
     rate: float
     """Step size; of a decaying one, the exponent w in visits^-w, negative."""
     explore: float
@@ -28,13 +27,13 @@ class Learner(NamedTuple):
 
 
 Q_SETTINGS = (
-    Learner("reward at the goal, rate .1, explore .1", 0.1, 0.1, 0.98, False),
-    Learner("reward at the goal, rate .5, explore .1", 0.5, 0.1, 0.98, False),
-    Learner("step cost, rate .1, explore .1", 0.1, 0.1, 1.0, True),
-    Learner("step cost, rate .2, explore .05", 0.2, 0.05, 1.0, True),
-    Learner("step cost, rate .3, explore 0", 0.3, 0.0, 1.0, True),
-    Learner("step cost, rate .5, explore .1", 0.5, 0.1, 1.0, True),
-    Learner("step cost, rate visits^-.6, explore .05", -0.6, 0.05, 1.0, True),
+    Learner(0.1, 0.1, 0.98, False),
+    Learner(0.5, 0.1, 0.98, False),
+    Learner(0.1, 0.1, 1.0, True),
+    Learner(0.2, 0.05, 1.0, True),
+    Learner(0.3, 0.0, 1.0, True),
+    Learner(0.5, 0.1, 1.0, True),
+    Learner(-0.6, 0.05, 1.0, True),
 )
 
 
@@ -56,7 +55,7 @@ def q_learners(
     shape = (len(goals), len(Q_SETTINGS), learners)
     size = int(np.prod(shape))
     goal = np.broadcast_to(goals[:, None, None], shape).reshape(size)
-    columns = np.broadcast_to(np.array([setting[1:] for setting in Q_SETTINGS]).T[:, None, :, None], (4, *shape)).copy()
+    columns = np.broadcast_to(np.array(Q_SETTINGS).T[:, None, :, None], (4, *shape)).copy()
     rate, epsilon, discount, optimistic = columns.reshape(4, size)
     cost, prize = -optimistic, 1 - optimistic  # +1 at the goal for those who pay nothing on the way
     body, rng = MazeBody(maze, copies=size, seed=(seed, 15)), np.random.default_rng([seed, 16])

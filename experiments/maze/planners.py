@@ -75,11 +75,6 @@ class Explorers:
         self.passed = np.zeros_like(self.closed)
         """Sides known to be open."""
 
-    def learn(self, motors: FloatArray, felt: FloatArray) -> None:
-        """(T, R, 1) acts, and the (T + 1, R, S) senses before the first and after each."""
-        self.model.observe(*self.walker.transitions(*flat(motors, felt)))
-        self.feel(felt[1:])
-
     def feel(self, senses: FloatArray, fresh: BoolArray | None = None) -> None:
         """(..., R, S) senses: walls where touch says so, from now on, for the neighbour as well; `fresh` (R, S, 4)
         sides are marked as felt."""
@@ -105,10 +100,9 @@ def wanderers(maze: Maze, copies: int, budgets: Sequence[int], seed: int) -> Ite
     """Random walkers, each alone, after each budget of steps: one walk, never put back."""
     we = Explorers(maze, copies, (seed, 11))
     stream, senses, done = we.walker.stream(we.body, np.random.default_rng([seed, 12])), we.body.reset(), 0
-    we.feel(senses)
     for budget in budgets:
-        while done < budget:
-            motors, felt = explore(we.body, stream, min(5000, budget - done), onward=senses)
-            we.learn(motors, felt)
-            senses, done = felt[-1], done + len(motors)
+        motors, felt = explore(we.body, stream, budget - done, onward=senses)
+        we.model.observe(*we.walker.transitions(*flat(motors, felt)))
+        we.feel(felt)
+        senses, done = felt[-1], budget
         yield we

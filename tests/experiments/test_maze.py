@@ -302,8 +302,7 @@ def test_a_small_study_measures_every_claim(text, monkeypatch):
     budgets = {
         "LEARNERS": 4,
         "IMITATION_BUDGETS": (0, 100, 1000),
-        "EARLY_Q_BUDGETS": (0, 100),
-        "Q_BUDGETS": (300, 600),
+        "Q_BUDGETS": (0, 300, 600),
         "REPLANNED_WALKS": 2,
     }
     changing = {"SEEDS": 2, "LEARNERS": 3, "WALKS": 2, "Q_STEPS": (0, 100)}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from babbling.loop import babble
+from experiments.maze.changes import changes
 from experiments.maze.intents import rules_of_thumb
 from experiments.maze.mind import Experience, outings, watched
 from experiments.maze.peers import Q_SETTINGS, best_acts, copied, q_learners, replayed
@@ -108,12 +109,10 @@ def test_until_touch_contradicts_what_was_shown_it_is_the_chapters_imitator(sure
 
 def test_who_has_felt_everything_plans_the_shortest_way(sure):
     maze, we = sure.maze, explorers(sure)
-    places = np.array([maze.place(cell) for cell in range(maze.cells)])
-    senses = np.repeat(np.hstack([places, maze.blocked[:, :4]])[:, None].astype(float), COPIES, 1)
     end = maze.number(maze.goals[1])
     planner, values = Rerouting(we, end), Replanning(we, end)
     for each in (planner, values):
-        we.feel(senses, each.fresh)
+        we.feel(everywhere(maze), each.fresh)
     assert (we.closed == maze.blocked[:, :4]).all() and (we.passed == ~maze.blocked[:, :4]).all()
     planner._plan(np.arange(COPIES))
     distance = maze.distances(maze.goals[1])
@@ -123,6 +122,32 @@ def test_who_has_felt_everything_plans_the_shortest_way(sure):
     values._sweep(1000)
     reached = distance >= 0
     np.testing.assert_allclose(values.value[:, reached], np.tile(distance[reached], (COPIES, 1)), atol=0.05)
+
+
+def everywhere(maze) -> np.ndarray:
+    """(S, COPIES, 6) what is felt in every cell."""
+    places = np.array([maze.place(cell) for cell in range(maze.cells)])
+    return np.repeat(np.hstack([places, maze.blocked[:, :4]])[:, None].astype(float), COPIES, 1)
+
+
+def test_remembered_walls_are_doubted_so_that_nobody_is_walled_in_by_memory(sure):
+    after, we = changed(sure, 3), explorers(sure)
+    we.feel(everywhere(sure.maze))  # by memory there is no way to the goal
+    one = Rerouting(we, after.number(after.goals[0]), *sure.remembered(3))
+    body = MazeBody(after, copies=COPIES, dynamics=np.eye(5))
+    assert follow(body, one, rng=np.random.default_rng(0), limit=3000).reached.all()
+
+
+def test_sides_are_as_passable_as_counted():
+    we = Explorers(parse_maze(ROOMS), 1, (0,))
+    planner, cell = Rerouting(we, 3), we.places.number([3.0, 2.0])
+    we.feel(np.array([[3.0, 2, 1, 0, 0, 0]]))
+    # from both sides: 6 known open, 2 known closed
+    remembered = planner.passable()[0]
+    np.testing.assert_allclose(remembered[cell], [0.1, 0.9, 0.9, 0.9])
+    assert remembered[0, 0] == pytest.approx(0.7) and remembered[0, 2] == 0, "unknown; the rim"
+    we.feel(np.array([[3.0, 2, 1, 0, 0, 0]]), planner.fresh)
+    np.testing.assert_array_equal(planner.passable()[0, cell], [0, 1, 1, 1])
 
 
 def test_what_was_felt_last_counts_and_what_was_watched_is_open():
@@ -198,3 +223,11 @@ def test_rules_of_thumb_by_hand():
     np.testing.assert_allclose(scores["straightest path, as the crow flies"][3], began - np.sqrt([5, 17, 20]))
     there = rules_of_thumb(maze, np.array([maze.number(maze.start), maze.number(maze.goals[1])]))
     assert all(score[-1].argmax() == 1 for score in there.values()), "right at the end is no feat: it stands there"
+
+
+def test_the_same_seed_changes_the_maze_the_same_way(monkeypatch):
+    for name, value in {"SEEDS": 1, "LEARNERS": 2, "WALKS": 1, "Q_STEPS": (0, 40)}.items():
+        monkeypatch.setattr(f"experiments.maze.changes.{name}", value)
+    maze = parse_maze(ROOMS.replace("2", " ").replace("3", " "))
+    one, again, other = (repr(changes(maze, seed, 2, lambda done: None)) for seed in (3, 3, 4))
+    assert one == again != other
