@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,8 @@ from rerun.chunk import RrdReader
 
 from babbling.mirroring import angles_between
 from experiments.__main__ import main
-from experiments.shared.oracle import at_ticks
-from experiments.shared.watching import watch
+from experiments.shared.oracle import at_ticks, retarget
+from experiments.shared.watching import Seen, watch
 from models.hoap2.facts import JOINTS as HOAP2
 from models.hoap2.kinematics import directions
 from models.loading import load_body
@@ -128,6 +129,18 @@ def test_a_movement_too_fast_is_slowed_and_keeps_its_shape(
     assert late[-1] <= t[-1] < late[-1] + 2 * body.tick_s
     np.testing.assert_allclose(seen.angles[:, 0], 0.5 * np.sin(10 * faster * late), atol=0.02)
     np.testing.assert_array_equal(body.sensations(seen.angles), seen.movement.senses)
+
+
+def test_a_teacher_too_fast_is_compared_with_at_the_same_pace() -> None:
+    usual, body = perform("g1-squat"), load_body("hoap2")
+    fast = replace(usual, time=usual.time / 3)
+    oracle = retarget(fast)
+    paced = Seen.paced("fast", oracle.angles, oracle.found.slowed, body)
+    seen = replace(paced, performance=fast, oracle=oracle)
+    assert 1.5 < seen.slowed < 3 and seen.teacher is not None
+    showed = np.stack([*at_ticks(seen.teacher, body.tick_s).values()], 1)[: len(seen.angles)]
+    assert np.rad2deg(angles_between(directions(seen.angles), showed)).mean() < 0.3
+    assert np.rad2deg(angles_between(directions(seen.angles[:60]), oracle.teacher[:60])).mean() > 3
 
 
 def test_the_headline_is_where_the_body_points_against_the_teacher(hasty: None, tmp_path: Path) -> None:

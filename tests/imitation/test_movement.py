@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from babbling.axes import FloatArray
@@ -50,6 +50,7 @@ def test_an_approach_to_a_still_movement_is_one_minimum_jerk() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(seeds)
+@example(14702171)
 def test_no_approach_leaves_the_ranges_and_each_is_one_way_into_the_movement(seed: int) -> None:
     """Also from a stop, and into movements that begin fast, at a stop or away from it."""
     rng = np.random.default_rng(seed)
@@ -67,6 +68,8 @@ def test_no_approach_leaves_the_ranges_and_each_is_one_way_into_the_movement(see
     assert (steps <= fastest * TICK + 1e-9).all()
     inside = ((free > low) & (free < high)).all(0)
     np.testing.assert_allclose(way[:, inside], free[:, inside], atol=1e-12)  # where there is room nothing changes
+    bent = approach(start, goals + rng.uniform(-50, 50, 4) * t**2, TICK, low, high)
+    assert (bent >= low).all() and (bent <= high).all()
 
 
 def test_a_run_up_with_little_room_is_short_and_gathers_the_whole_pace() -> None:
@@ -75,6 +78,7 @@ def test_a_run_up_with_little_room_is_short_and_gathers_the_whole_pace() -> None
     np.testing.assert_allclose(way[round((APPROACH_S + RUN_UP_S - 0.1) / TICK) - 1], 0, atol=1e-12)  # 2 x 0.1 / 2.0
     assert (np.diff(way[round(APPROACH_S / TICK) :]) >= 0).all(), "never back"
     assert (goals[0, 0] - way[-1]) / TICK == pytest.approx(2.0, rel=0.1)
+    assert np.abs(np.diff(way[-25:], 2)).max() <= 1.5 * 2.0 / 0.1 * TICK**2, "without a jerk"
 
 
 @given(st.floats(1, 4))
