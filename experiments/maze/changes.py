@@ -6,14 +6,13 @@ least expected steps. Q-learning is judged after as many own steps in the change
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.axes import BoolArray, IntArray
 from experiments.maze.mind import Experience, population
 from experiments.maze.peers import MANY, best_acts, copied, q_learners, replayed
 from experiments.maze.planners import PATIENCE, Explorers, arrivals, least_steps, wanderers
@@ -42,8 +41,8 @@ def changes(maze: Maze, seed: int, demonstrations: int, report: Report) -> dict[
         alone = Maze(maze.walls, maze.start, (maze.goals[goal - 1],))
         for world, after in zip(WORLDS, (alone, moved_wall(maze, goal, rng), new_goal(maze, rng)), strict=True):
             if after is not None:
-                one = _One(many, few, after, None if world == "new goal" else goal, (seed, 32, k, goal))
-                for method, walks in one.walks().items():
+                shown = None if world == "new goal" else goal
+                for method, walks in _everybody(many, few, after, shown, (seed, 32, k, goal)).items():
                     runs[world][method].append(walks)
         report((k + goal / len(goals)) / SEEDS)
     return {
@@ -67,51 +66,40 @@ def _told(runs: list[Walks]) -> dict[str, Any]:
     }
 
 
-class _One:
-    """One changed maze and everybody in it, all having been shown a goal, or none that is in this maze."""
+def _everybody(
+    many: Experience, few: Experience, after: Maze, goal: int | None, seed: tuple[int, ...]
+) -> dict[str, Walks]:
+    """Method -> walk by walk, where all were shown the goal of the maze `after`, or (None) others."""
+    maze, end, found = many.maze, after.number(after.goals[0]), dict[str, Walks]()
+    limit = int(PATIENCE * least_steps(after, TRUE_DYNAMICS, end))
+    number = int(np.random.SeedSequence(seed).generate_state(1)[0])
 
-    def __init__(self, many: Experience, few: Experience, after: Maze, goal: int | None, seed: tuple[int, ...]) -> None:
-        self.many, self.few, self.after, self.goal, self.seed = many, few, after, goal, seed
-        self.maze, self.end = many.maze, after.number(after.goals[0])
-        self.number = int(np.random.SeedSequence(seed).generate_state(1)[0])
-        self.limit = int(PATIENCE * least_steps(after, TRUE_DYNAMICS, self.end))
+    def explorers() -> Explorers:
+        return next(wanderers(maze, LEARNERS, (OWN_STEPS,), number))
 
-    def walks(self) -> dict[str, Walks]:
-        """Method -> walk by walk, own steps in this maze before it and (R,) who arrived in time."""
-        found: dict[str, Walks] = {}
-        successor = prior = first = None
-        if self.goal is not None:
-            successor, prior = self.few.remembered(self.goal)
-            we = self._explorers()
-            chapter = Follower(we.model, we.places, successor, self.end, prior, copies=LEARNERS)
-            found["imitation, going on as shown"] = self._walked(chapter, 1)
-            found["copying"] = [(0.0, self._judged(copied(self.few, self.goal)))]
-            clones = copied(self.many, self.goal, nearest=True)
-            found[f"cloning, {MANY} demonstrations"] = [(0.0, self._judged(clones))]
-            first = replayed(self.few.towards(self.goal), self.maze.cells)
-            first = next(self._q(self.maze, (OWN_STEPS,), first))
-        watching = self._explorers()
-        for copy, episodes in enumerate(self.few.episodes):
-            for episode in episodes:
-                watching.watch(copy, episode.states)
-        found["imitation"] = self._walked(Rerouting(deepcopy(watching), self.end, successor, prior), WALKS)
-        found["value iteration, replanning"] = self._walked(Replanning(self._explorers(), self.end), WALKS)
-        found["value iteration that watched"] = self._walked(Replanning(watching, self.end), WALKS)
-        found["Q-learning from demonstrations"] = [
-            (float(steps), max((self._judged(policy) for policy in best_acts(q)[0]), key=np.mean))
-            for steps, q in zip(Q_STEPS, self._q(self.after, Q_STEPS, first), strict=True)
-        ]
-        return found
+    def walked(follower: Follower, walks: int = WALKS) -> Walks:
+        return in_turn(follower, after, walks, limit, seed)
 
-    def _explorers(self) -> Explorers:
-        (we,) = wanderers(self.maze, LEARNERS, (OWN_STEPS,), self.number)
-        return we
+    def judged(policy: IntArray) -> BoolArray:
+        return arrivals(after, end, policy, limit, (*seed, 9), 1)[:, 0]
 
-    def _q(self, maze: Maze, steps: Sequence[int], first: FloatArray | None) -> Iterator[FloatArray]:
-        return q_learners(maze, np.array([self.end]), LEARNERS, steps, self.number, first)
-
-    def _walked(self, follower: Follower, walks: int) -> Walks:
-        return in_turn(follower, self.after, walks, self.limit, self.seed)
-
-    def _judged(self, policy: IntArray) -> BoolArray:
-        return arrivals(self.after, self.end, policy, self.limit, (*self.seed, 9), 1)[:, 0]
+    successor = prior = first = None
+    if goal is not None:
+        successor, prior = few.remembered(goal)
+        we, first = explorers(), replayed(few.towards(goal), maze.cells)
+        chapter = Follower(we.model, we.places, successor, end, prior, copies=LEARNERS)
+        found["imitation, going on as shown"] = walked(chapter, 1)
+        found["copying"] = [(0.0, judged(copied(few, goal)))]
+        found[f"cloning, {MANY} demonstrations"] = [(0.0, judged(copied(many, goal, nearest=True)))]
+        first = next(q_learners(maze, np.array([end]), LEARNERS, (OWN_STEPS,), number, first))
+    watching = explorers()
+    watching.watch(few.episodes)
+    found["imitation"] = walked(Rerouting(deepcopy(watching), end, successor, prior))
+    found["value iteration, replanning"] = walked(Replanning(explorers(), end))
+    found["value iteration that watched"] = walked(Replanning(watching, end))
+    values = q_learners(after, np.array([end]), LEARNERS, Q_STEPS, number, first)
+    found["Q-learning from demonstrations"] = [
+        (float(steps), max((judged(policy) for policy in best_acts(q)[0]), key=np.mean))
+        for steps, q in zip(Q_STEPS, values, strict=True)
+    ]
+    return found

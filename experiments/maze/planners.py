@@ -15,6 +15,7 @@ from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.loop import explore, flat
 from babbling.moves import Places
 from experiments.maze.mind import wanderer
+from imitation.episodes import Episode
 from models.maze import ACTIONS, Maze, MazeBody
 
 RELIABLE, PATIENCE = 0.95, 3.0
@@ -88,12 +89,15 @@ class Explorers:
                 if fresh is not None:
                     fresh[at] = True
 
-    def watch(self, walker: int, states: IntArray) -> None:
-        """Where somebody was seen to pass from cell to cell, there is no wall."""
-        moved = states[:-1] != states[1:]
-        before, after = states[:-1][moved], states[1:][moved]
-        side = self.places.outcome(before, after)
-        self.passed[walker, before, side] = self.passed[walker, after, (side + 2) % 4] = True
+    def watch(self, episodes: Sequence[Sequence[Episode]]) -> None:
+        """Where somebody was seen to pass from cell to cell, there is no wall; what each walker watched."""
+        for walker, own in enumerate(episodes):
+            for episode in own:
+                before, after = (
+                    ends[np.diff(episode.states) != 0] for ends in (episode.states[:-1], episode.states[1:])
+                )
+                side = self.places.outcome(before, after)
+                self.passed[walker, before, side] = self.passed[walker, after, (side + 2) % 4] = True
 
 
 def wanderers(maze: Maze, copies: int, budgets: Sequence[int], seed: int) -> Iterator[Explorers]:

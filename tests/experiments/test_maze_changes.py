@@ -12,6 +12,7 @@ from experiments.maze.planners import Explorers, wanderers
 from experiments.maze.rerouting import Replanning, Rerouting, in_turn
 from experiments.maze.worlds import moved_wall, new_goal
 from imitation.acting.follow import Follower, follow
+from imitation.episodes import Episode
 from models.maze import MazeBody, default_maze, demonstrate, parse_maze
 
 ROOMS = """\
@@ -158,7 +159,7 @@ def test_what_was_felt_last_counts_and_what_was_watched_is_open():
     assert we.closed[:, cell, 0].all() and we.closed[:, cell + maze.width, 2].all(), "known from both sides"
     we.feel(north * [1, 1, 0, 1, 1, 1])
     assert not we.closed.any() and we.passed[:, cell + maze.width, 2].all()
-    we.watch(0, np.array([0, 0, 1]))
+    we.watch([[Episode(0, np.array([0, 0, 1]), np.array([0, 1]))], []])
     assert we.passed[0, 0, 1] and we.passed[0, 1, 3] and not we.passed[1, :2, 1:].any()
 
 
