@@ -8,18 +8,20 @@ from scipy.stats import binom, multivariate_normal
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
+from experiments.gaze import crowds
 from experiments.gaze.covered import own_experience
 from experiments.gaze.crowds import BEAD, HEAD_SHARE, Simple, jerky, with_eyes
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import straight, view
+from experiments.gaze.trials import Trials, Watcher, straight, view
 from experiments.shared.judging import calibration_error, interval_95
-from imitation.gaze.reader import EyeLore
+from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
 from models.biclops.cloth import through_cloth
 from models.biclops.gaze import lay_out, look_at, possible, separation
 from models.errors import BodyError
 from models.heads import stage
 from models.onlooker import onlook
+from tests.imitation.test_reader import HEAD, reader
 
 
 def test_whether_a_cloth_lets_one_see_is_seen() -> None:
@@ -106,6 +108,46 @@ def test_the_fitted_line_is_equation_two_where_heads_turn_as_the_reader_takes_it
     density = multivariate_normal(np.zeros(2), 0.2**2 * np.eye(2)).pdf(pose[:, None] - looks)
     by_hand = goal_posterior(np.ones(1), density, np.tile(prior, (50, 1))).probability
     np.testing.assert_allclose(simple.read(looks, pose), by_hand, rtol=1e-9)
+
+
+def sharp_trials(
+    body: None, who: Watcher, count: int, rng: np.random.Generator, *, apart_deg: tuple[float, float],
+    turn: Callable[..., np.ndarray], preference: tuple[float, ...] | None, radius: float,
+) -> Trials:  # fmt: skip
+    """Four beads in a row, so far apart, and a head without noise; no images, and one bead is now and then lost."""
+    side = rng.uniform(-0.2, 0.2, (count, 1)) + np.deg2rad(apart_deg[0]) * np.arange(4)
+    ahead = rng.uniform(4.0, 6.0, (count, 4))
+    mine = np.stack([ahead * np.cos(side), ahead * np.sin(side), np.full((count, 4), -2.0)], -1)
+    target = rng.choice(4, count, p=preference)
+    looks = who.gaze.imagined(facing(mine, HEAD), HEAD)
+    things = who.gaze.geometry.appear(facing(mine, HEAD), 0.1)
+    things[::10, 3] = np.nan
+    pose = turn(looks[np.arange(count), target], 1e-6, rng)
+    nothing = np.zeros(count)
+    return Trials(
+        mine, target, pose, things, np.ones((count, 4)), pose, nothing > 0, nothing + 0.1, looks[:, 0],
+        image=(None, None),  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def test_without_noise_all_rules_are_right_but_where_heads_turn_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crowds, "run_trials", sharp_trials)
+    monkeypatch.setattr(crowds, "table_body", lambda *rest: None)
+    monkeypatch.setattr(crowds, "shown", lambda who, lessons: who)
+    pupils = [Watcher(Config(seed=seed), None, None, HEAD, reader()) for seed in (0, 1)]  # type: ignore[arg-type]
+    found = crowds.crowds(pupils, 40, lambda done: None)
+    assert found.seen == pytest.approx(0.9)
+    for name, sweep in found.sweeps.items():
+        fitted, nearest = sweep.right[:, 1], sweep.right[:, 2]
+        if "unbeknown" in name:
+            assert fitted[:, 0].max() < 0.9 and nearest[:, 0].max() < 0.9
+        elif "eyes" in name:
+            assert fitted.min() == 1 and nearest[:, 0].max() < 0.9
+        else:
+            assert fitted.min() > 0.97 and nearest.min() == 1
+    numbers = found.numbers()
+    np.testing.assert_allclose(numbers["gaze_crowds_scores"]["with preferences"]["constant confidence"]
+                               ["calibration_error"], 0, atol=1e-12)  # fmt: skip
 
 
 @pytest.mark.parametrize("turn", [straight, jerky, with_eyes])
