@@ -45,7 +45,7 @@ PREFERENCE = (0.2, 0.8)
 """How often the teacher looks at either of `PAIR` when both are there."""
 PUPILS = 5
 """Who meet the crowds: each babbles, is mirrored and is shown by itself."""
-STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100, "crowds": 80}
+STUDY = {"clear": 200, "pairs": 600, "calibration": 1000, "covered": 100, "crowds": 60}
 SHORT = {"clear": 40, "pairs": 60, "calibration": 80, "covered": 20}
 
 
@@ -190,10 +190,10 @@ def _summary(metrics: dict[str, Any]) -> str:
         (f"blindfold and headband within {100 * alike['margin']:.0f} points at 12 months", f"p = {alike['p']:.2g}"),
     ]  # fmt: skip
     for name, sweep in metrics.get("gaze_crowds", {}).items():
-        said = metrics["gaze_crowds_scores"][name]
         gaps = (
             f"{100 * m:+.1f} ({100 * a:.1f} to {100 * b:.1f}) on {rule}" for rule, (m, a, b) in sweep["beyond"].items()
         )
-        loss = ", ".join(f"{100 * one['log_loss'][0]:.0f} {rule}" for rule, one in said.items())
-        rows.append((f"beads, {name}", f"points: {'; '.join(gaps)}. Log loss, hundredths: {loss}"))
+        less = metrics["gaze_crowds_less_log_loss"][name].items()
+        loss = ", ".join(f"{m:.3f} ± {half:.3f} than {who}" for who, (m, half) in less)
+        rows.append((f"beads, {name}", f"points: {'; '.join(gaps)}. Log loss less by {loss}"))
     return f"# {metrics['robot']} follows gaze\n\n{table(rows)}\n"

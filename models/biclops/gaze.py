@@ -81,7 +81,8 @@ def lay_out(
                 x[:, k] = x[beside] + near * rng.normal(size=BATCH)
                 y[:, k] = y[beside] + near * rng.normal(size=BATCH)
         places = np.stack([x, y, np.full((BATCH, count), radius)], axis=-1)
-        fit = np.flatnonzero(possible(places, distance, view, apart_deg, radius))
+        on_table = (np.abs(x / scale - np.mean(TABLE_X)) <= np.ptp(TABLE_X) / 2) & (np.abs(y) <= TABLE_Y * scale)
+        fit = np.flatnonzero(on_table.all(-1) & possible(places, distance, view, apart_deg, radius))
         if len(fit):
             return np.asarray(places[fit[0]])
     raise BodyError(f"no room on the table for {count} toys {apart_deg[0]:g} degrees apart; fewer, or closer")

@@ -17,7 +17,7 @@ from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
 from models.biclops.cloth import through_cloth
-from models.biclops.gaze import lay_out, look_at, possible, separation
+from models.biclops.gaze import TABLE_X, TABLE_Y, lay_out, look_at, possible, separation
 from models.errors import BodyError
 from models.heads import stage
 from models.onlooker import onlook
@@ -82,6 +82,8 @@ def test_every_bead_of_a_crowd_has_its_neighbour_as_near_as_asked(spacing: float
     beads = lay_out(np.random.default_rng(1), 4, 0.95, view(Config()), (spacing, 1.25 * spacing), BEAD)
     apart = np.rad2deg(separation(beads[:, None], beads[None], 0.95)) + 360 * np.eye(4)
     assert (apart.min(1) >= spacing).all() and (apart.min(1) <= 1.25 * spacing).all()
+    (low, high), side = TABLE_X, TABLE_Y  # or heads would have to bend further than lessons show
+    assert (beads[:, 0] >= low).all() and (beads[:, 0] <= high).all() and (abs(beads[:, 1]) <= side).all()
 
 
 def test_a_fitted_line_undoes_how_a_head_turns_and_then_takes_the_nearest() -> None:
