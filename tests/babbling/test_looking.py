@@ -1,5 +1,7 @@
 """Oculomotor babbling on a head of pure geometry: no physics, no pixels, an exact oracle."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from babbling.files import load, save
 from babbling.looking import LookingMind, Reach, copy_terms, pilot_looking, saccades
 from babbling.loop import babble, explore, flat
 from imitation.gaze.fixation import Fixation
+from imitation.gaze.reader import GazeReader, Geometry
 
 FOCAL, HALF = 138.6, np.array([79.5, 59.5])
 REACH = Reach(np.array([-0.6, -0.4]), np.array([0.6, 0.4]), np.array([0.5, 0.4]))
@@ -104,24 +107,39 @@ class CrossedHead(GeometricHead):
         return np.concatenate([senses[:, 1::-1], senses[:, 2:]], axis=1)
 
 
-def test_a_neck_with_crossed_wires_looks_as_well(mind: LookingMind) -> None:
-    """Reach is told by sense line; which motor has which, and which carries things along u, is found."""
-    assert mind.pilot.movers.tolist() == [0, 1]
+@cache
+def crossed_mind() -> LookingMind:
     body = CrossedHead()
     found = pilot_looking(body, Reach(REACH.low[::-1], REACH.high[::-1], REACH.largest[::-1]), 0)
+    return LookingMind(found, babble(body, found, (20,) * 6, 0), 2.0)
+
+
+@pytest.mark.parametrize("goal", [(0.0, 0.0), (9.0, -5.0)])
+def test_a_neck_with_crossed_wires_looks_as_well(mind: LookingMind, goal: tuple[float, float]) -> None:
+    """Which motor has which posture sense, and which carries things along u, is found."""
+    assert mind.pilot.movers.tolist() == [0, 1]
+    found = crossed_mind().pilot
     assert (found.schema.posture.tolist(), found.movers.tolist()) == ([0, 1], [1, 0])
     np.testing.assert_allclose(found.schema.slope, (-0.45, 0.9), rtol=1e-6)
-    np.testing.assert_array_equal(found.reach.low, REACH.low[::-1])
-    fixation = Fixation(LookingMind(found, babble(body, found, (20,) * 6, 0), 2.0))
     judge = CrossedHead(seed=3, noise=0.0)
     senses = judge.reset()
     things = found.retina.things(senses)
     central = (np.abs(things[..., :2]) < 0.7 * HALF).all(-1)
     target, use, every = central.argmax(1), central.any(1), np.arange(judge.copies)
-    posture = found.posture(senses)
-    saccade = fixation.choose(np.nan_to_num(things[every, target]), posture, np.random.default_rng(0))
+    posture, rng = found.posture(senses), np.random.default_rng(0)
+    saccade = Fixation(crossed_mind()).choose(np.nan_to_num(things[every, target]), posture, rng, goal)
     after = found.retina.things(judge.act(found.schema.motors(posture + saccade.change)))
-    assert np.hypot(*after[every, target, :2].T)[use].max() < 0.8
+    assert np.hypot(*(after[every, target, :2] - goal).T)[use].max() < 0.8
+
+
+def test_how_one_would_look_there_is_the_same_with_crossed_wires(mind: LookingMind) -> None:
+    places = np.random.default_rng(0).uniform((4.0, -2.0, -2.0), (6.0, 2.0, 0.0), (20, 3))
+    poses = []
+    for one in (mind, crossed_mind()):
+        reader = GazeReader((Fixation(one), Fixation(one, eye=1)), Geometry(FOCAL), 0.14)
+        poses.append(reader.imagined(places, np.array([11.0, 0.0, 0.0])))
+    np.testing.assert_allclose(*poses, atol=0.02)
+    assert np.ptp(poses[0], axis=0).min() > 0.1
 
 
 def test_efference_copy_says_that_nothing_moves_when_nothing_is_done() -> None:
@@ -165,10 +183,12 @@ class CarriedHead(GeometricHead):
 
 def test_three_motors_are_found_and_chained(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("babbling.looking.GRID", (5, 5, 3, 7, 21))
-    reach = Reach(np.full(3, -0.25), np.full(3, 0.25), np.full(3, 0.25))
+    told = Reach(np.full(3, -0.25), np.full(3, 0.25), np.array([0.25, 0.24, 0.23]))  # by sense line
     body = CarriedHead()
-    found = pilot_looking(body, reach, 0)
+    found = pilot_looking(body, told, 0)
     assert found.schema.posture.tolist() == [1, 2, 0]
+    reach = found.reach
+    assert reach.largest.tolist() == [0.24, 0.23, 0.25]
     np.testing.assert_allclose(found.schema.slope, (0.9, 0.8, 0.7), rtol=1e-6)
     mind = LookingMind(found, babble(body, found, (20,) * 4, 0), 1.0)
     assert [axis.name for axis in mind.forward_model.contexts] == ["u", "v", "other", "other1"]

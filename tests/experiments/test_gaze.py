@@ -12,7 +12,7 @@ from experiments.gaze import crowds
 from experiments.gaze.covered import own_experience
 from experiments.gaze.crowds import BEAD, HEAD_SHARE, Simple, jerky, with_eyes
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import Trials, Watcher, straight, view
+from experiments.gaze.trials import Trials, Watcher, straight, tilt_of, view
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
@@ -21,7 +21,13 @@ from models.biclops.gaze import TABLE_X, TABLE_Y, lay_out, look_at, possible, se
 from models.errors import BodyError
 from models.heads import stage
 from models.onlooker import onlook
+from tests.babbling.test_looking import crossed_mind
 from tests.imitation.test_reader import HEAD, reader
+
+
+def test_the_tilt_that_is_felt_is_the_motors_that_carries_things_up_and_down() -> None:
+    senses = np.arange(3.0)  # this head's first motor tilts, and its posture stands on the first line
+    assert tilt_of(crossed_mind(), senses) == 0.0
 
 
 def test_whether_a_cloth_lets_one_see_is_seen() -> None:

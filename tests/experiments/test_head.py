@@ -8,7 +8,9 @@ import pytest
 import experiments.shared.caregiver
 from babbling.errors import BabblingError
 from babbling.files import load, save
+from babbling.mind import learn
 from experiments.errors import ExperimentError
+from experiments.head.recall import reproduce
 from experiments.head.run import Config, run, within_reach
 from experiments.shared.caregiver import lesson
 from experiments.shared.judging import rmse_deg
@@ -19,6 +21,7 @@ from imitation.seeing.pose import Appearance, frame_pose, watch
 from models.biclops.facts import MAX_ACCELERATION_DEG_S2, MAX_SPEED_DEG_S
 from models.biclops.movements import MOVEMENTS, movement
 from models.errors import BodyError
+from models.seeing_body import watching_body
 
 FEATURES = np.array(
     [(0.10, 0.0, 0.0), (0.07, 0.03, 0.04), (0.07, -0.03, 0.04), (0.01, 0.09, 0.01), (0.01, -0.09, 0.01)]
@@ -124,6 +127,16 @@ def test_memory_survives_its_file_and_belongs_to_one_body(tmp_path: Path) -> Non
         save(HeadMemory("abc", 0.02, "spin", 9.0 + memory.pose, memory.deviation), tmp_path / "spin.nc")
     with pytest.raises(ImitationError, match="of 2 postures; 3 to"):
         HeadMemory("abc", 0.02, "short", memory.pose[:2], memory.deviation[:2])
+
+
+def test_what_is_remembered_is_done_with_unknown_wires() -> None:
+    mind = learn(watching_body("biclops", copies=8, scramble=2), minutes=0.5, seed=0)
+    time = np.arange(100)[:, None] * 0.02
+    memory = HeadMemory(mind.fingerprint, 0.02, "sway", 0.3 * np.sin(time * (1.0, 2.0)), np.full((100, 2), 0.01))
+    done = reproduce(memory, mind, "biclops", "mean", 0, 2)
+    assert rmse_deg(done, memory.pose) < 0.2
+    with pytest.raises(ImitationError, match="another body"):
+        reproduce(memory, mind, "biclops", "mean", 0)
 
 
 def test_nobody_there_is_searched_for_and_then_said() -> None:

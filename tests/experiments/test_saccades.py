@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from babbling.errors import BabblingError
+from babbling.looking import LookingMind, pilot_looking
 from experiments.errors import ExperimentError
 from experiments.saccades.run import Config, run
+from experiments.saccades.trials import within_reach
 from experiments.shared.eyes import APART, TOYS, learn_to_look, nursery, retina_of, toy_places
 from experiments.shared.options import EyeOptions
 from imitation.seeing.finding import Finder
@@ -15,6 +17,7 @@ from models.heads import stage
 from models.renderers import open_eye
 from models.robots import EYE_HEIGHT, ROBOTS, head_of
 from models.seeing_body import SeeingBody, head_fingerprint
+from tests.babbling.test_looking import REACH, GeometricHead, crossed_mind
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +66,17 @@ def test_unknown_wires_move_the_same_neck_and_show_the_same(body: SeeingBody) ->
     np.testing.assert_allclose(same, angles, atol=1e-9)
     np.testing.assert_allclose(again, places, atol=0.05)
     np.testing.assert_allclose(lines, straight[:, ::-1], atol=1e-9)
+
+
+def test_what_is_within_reach_does_not_depend_on_wires() -> None:
+    straight = GeometricHead()
+    found = pilot_looking(straight, REACH, 0)
+    plain = LookingMind(found, found.forward_model(), 1.0)
+    rng = np.random.default_rng(0)
+    things, postures = rng.uniform(-60, 60, (200, 4)), rng.uniform(REACH.low, REACH.high, (10, 2))
+    one = np.array([within_reach(plain, things, posture) for posture in postures])
+    other = np.array([within_reach(crossed_mind(), things, posture[::-1]) for posture in postures])
+    assert 0.2 < one.mean() < 0.8 and (one == other).mean() > 0.99
 
 
 def test_motor_commands_must_be_numbers_of_the_right_shape(body: SeeingBody) -> None:
