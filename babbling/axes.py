@@ -204,3 +204,8 @@ def located(factors: int, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> 
     for axis, value in zip(axes, values, strict=True):
         cells = cells.on(axis, value)
     return cells
+
+
+def same_axes(one: Sequence[Axis], other: Sequence[Axis]) -> bool:
+    """Whether these share every grid, so that what was counted on them may be added."""
+    return len(one) == len(other) and all(a.same(b) for a, b in zip(one, other, strict=True))

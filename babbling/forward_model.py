@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import Axis, BoolArray, Cells, FloatArray, IntArray, fixed, located
+from babbling.axes import Axis, BoolArray, Cells, FloatArray, IntArray, fixed, located, same_axes
 from babbling.counting import count_categories, count_softly, hat_mass, weight_bits
 from babbling.errors import BabblingError
 from babbling.regression import SCALE, LinearFit, LinearGaussian
@@ -251,8 +251,3 @@ class Rows(NamedTuple):
         visits, axis = self.forward_model.visits, self.forward_model.action
         cells = self.cells if action is None else self.cells.onto(axis, axis.hard(action))
         return cells.read(visits)
-
-
-def same_axes(one: Sequence[Axis], other: Sequence[Axis]) -> bool:
-    """Whether these share every grid, so that what was counted on them may be added."""
-    return len(one) == len(other) and all(a.same(b) for a, b in zip(one, other, strict=True))

@@ -22,10 +22,10 @@ from typing import Annotated
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from babbling.axes import Axis, FloatArray, IntArray
+from babbling.axes import Axis, FloatArray, IntArray, same_axes
 from babbling.body import Body
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel, same_axes
+from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
 from babbling.loop import Transitions, explore, flat
 from babbling.pilot import symmetric, wire
@@ -110,6 +110,10 @@ class LookingPilot:
         """(F, M - 1) the other motors of each factor."""
         every = np.arange(len(self.reach.low))
         return np.array([every[every != motor] for motor in self.motor])
+
+    def learn(self, model: ForwardModel, motors: FloatArray, senses: FloatArray) -> None:
+        """Count a run."""
+        model.observe(*self.transitions(*flat(motors, senses)))
 
     def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
         """(N, S), (N, M), (N, S) to N * K rows: one for each kind of thing."""

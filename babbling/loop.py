@@ -5,14 +5,13 @@ any machine, be interrupted and resumed, and still give the same counts.
 """
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel
 
 BOUT_TICKS = 500
 
@@ -28,13 +27,24 @@ class Transitions(NamedTuple):
     """(N, F)."""
 
 
-class Babbler(Protocol):
+class Learns(Protocol):
+    """A forward model, as babbling sees it."""
+
+    @property
+    def transitions(self) -> int:
+        """How many were learned, all factors together."""
+
+
+M = TypeVar("M", bound=Learns)
+
+
+class Babbler(Protocol[M]):
     """What a body does when it babbles, and how what it feels is read."""
 
-    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
-        """(N, S) sensations, (N, M) commands and (N, S) sensations after them, read as (context, action, outcome)."""
+    def learn(self, model: M, motors: FloatArray, senses: FloatArray) -> None:
+        """Have the forward model learn from a run out of rest: (T, B, M) commands, (T + 1, B, S) sensations."""
 
-    def forward_model(self) -> ForwardModel:
+    def forward_model(self) -> M:
         """An empty forward model on this babbler's axes."""
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
@@ -78,21 +88,21 @@ def bouts(minutes: float, body: Body, longest: int = BOUT_TICKS) -> tuple[int, .
     return tuple(min(longest, total - start) for start in range(0, total, longest))
 
 
-def experience(body: Body, babbler: Babbler, seed: int, bout: int, ticks: int) -> tuple[FloatArray, FloatArray]:
+def experience(body: Body, babbler: Babbler[M], seed: int, bout: int, ticks: int) -> tuple[FloatArray, FloatArray]:
     """What one bout feels like, `explore`'s shapes: depends on (body, babbler, seed, bout) alone."""
     return explore(body, babbler.stream(body, np.random.default_rng([seed, 3, bout])), ticks)
 
 
 def babble(
     body: Body,
-    babbler: Babbler,
+    babbler: Babbler[M],
     plan: tuple[int, ...],
     seed: int,
     *,
-    onto: ForwardModel | None = None,
+    onto: M | None = None,
     first: int = 0,
-    after_bout: Callable[[int, ForwardModel], None] = lambda bout, model: None,
-) -> ForwardModel:
+    after_bout: Callable[[int, M], None] = lambda bout, model: None,
+) -> M:
     """Run bouts `first` .. of `plan` and count them onto a forward model.
 
     Args:
@@ -106,7 +116,6 @@ def babble(
     """
     model = babbler.forward_model() if onto is None else onto
     for bout in range(first, len(plan)):
-        before, motors, after = flat(*experience(body, babbler, seed, bout, plan[bout]))
-        model.observe(*babbler.transitions(before, motors, after))
+        babbler.learn(model, *experience(body, babbler, seed, bout, plan[bout]))
         after_bout(bout + 1, model)
     return model

@@ -9,25 +9,26 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.body import Body, OfOneBody
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel, same_axes
+from babbling.explanations import Explanations
 from babbling.kinds import Numbers, kind
 from babbling.loop import babble, bouts
-from babbling.pilot import Pilot, pilot
+from babbling.pilot import Pilot, begin
 
 
 @dataclass(frozen=True)
 class Temper:
-    """How a mind acts on what it knows, found by rehearsal (`imitation.acting.rehearsal`), never set by hand."""
+    """How a mind acts on what it knows."""
 
     eagerness: Annotated[FloatArray, Numbers("motor", low=0, high=2, zero=False)]
-    """(F,) share of the believed error to be undone within one tick."""
+    """(F,) share of the believed error to be undone within one tick, found by rehearsal
+    (`imitation.acting.rehearsal`)."""
     trust: Annotated[FloatArray, Numbers("motor", low=0, high=100)]
     """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior."""
 
     @classmethod
     def cautious(cls, factors: int) -> "Temper":
-        """Before any rehearsal: half the error, full trust in habit."""
-        return cls(np.full(factors, 0.5), np.ones(factors))
+        """Before any rehearsal: half the error, little trust in habit."""
+        return cls(np.full(factors, 0.5), np.full(factors, 0.1))
 
 
 @kind("mind", "make one with `imitate babble`")
@@ -39,18 +40,18 @@ class Mind(OfOneBody):
     """Of the body that babbled; see `babbling.body.Body`."""
     seed: Annotated[int, Numbers(low=0, high=2**63)]
     pilot: Pilot
-    forward_model: Annotated[ForwardModel, Numbers("motor")]
+    forward_model: Explanations
     temper: Temper
 
     def __post_init__(self) -> None:
-        if not same_axes(self.forward_model.axes, (self.pilot.rate, self.pilot.action, self.pilot.outcome)):
-            raise BabblingError("the forward model has other axes than its pilot found; babble anew")
+        if not self.forward_model.frame.same(self.pilot.frame):
+            raise BabblingError("the forward model has another frame than its pilot found; babble anew")
         if len(self.pilot.schema.rate) != len(self.pilot.schema.posture):
             raise BabblingError("each motor needs a sense that says how fast it moves; babble anew")
 
 
 def learn(
-    body: Body, *, minutes: float, seed: int, after_bout: Callable[[int, ForwardModel], None] = lambda bout, model: None
+    body: Body, *, minutes: float, seed: int, after_bout: Callable[[int, Explanations], None] = lambda bout, model: None
 ) -> Mind:
     """Pilot and `minutes` of babbling (chapter, section 3.1): everything a mind knows of its body.
 
@@ -61,6 +62,6 @@ def learn(
         after_bout: see `babbling.loop.babble`.
     """
     plan = bouts(minutes, body)
-    found = pilot(body, seed)
-    model = babble(body, found, plan, seed, after_bout=after_bout)
+    found, begun = begin(body, seed)
+    model = babble(body, found, plan, seed, onto=begun, after_bout=after_bout)
     return Mind(body.fingerprint, seed, found, model, Temper.cautious(len(model.factors)))

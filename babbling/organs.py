@@ -15,9 +15,9 @@ from typing import Annotated
 
 import numpy as np
 
-from babbling.axes import Axis, BoolArray, FloatArray, IntArray
+from babbling.axes import Axis, BoolArray, FloatArray, IntArray, same_axes
 from babbling.errors import BabblingError
-from babbling.forward_model import ForwardModel, same_axes
+from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers
 from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience, angles_between
 

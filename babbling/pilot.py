@@ -6,7 +6,7 @@ state estimate. A mind starts from two ranges (motors, senses) and a tick; it as
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import Annotated
 
@@ -16,22 +16,17 @@ from babbling.axes import Axis, FloatArray
 from babbling.body import Body
 from babbling.dynamics import LinearDynamics, fit_dynamics
 from babbling.errors import BabblingError
+from babbling.explanations import Explanations
 from babbling.exploration import MotorRange, smooth
-from babbling.forward_model import ForwardModel
+from babbling.features import HINGES, SLOW, WIDTHS, ZONES, Features
+from babbling.frame import MARGIN, QUANTILE, Frame, shares
 from babbling.kinds import Numbers
-from babbling.loop import Transitions, explore, flat
+from babbling.loop import explore
 from babbling.schema import BodySchema, find_schema
 
-GRID = (15, 91, 91)
-"""Grid points of rate, action and outcome. With coasting taken out, rate matters little and needs few; action and
-outcome need as many as each other, so that one step of the one moves about one step of the other."""
-MARGIN, QUANTILE = 1.6, 0.9995
-"""Axes reach this many times the pilot's quantile: a fast movement must not fall off."""
-PRIOR_STRENGTH = 20.0
-"""Pseudo-counts of the linear-Gaussian prior."""
 JITTER = 0.0105
 """Command noise while babbling, rad: about 0.6 degrees, so that actions vary at every speed."""
-SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 5.0
+SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 7.5
 ENDS = 0.05
 """Share of a posture's range that babbling leaves free at either end."""
 
@@ -47,20 +42,28 @@ class Pilot:
     high: Annotated[FloatArray, Numbers("motor", "rad")]
     """(F,) greatest posture to ask for."""
     dynamics: LinearDynamics
-    rate: Annotated[Axis, Numbers("motor")]
-    action: Annotated[Axis, Numbers("motor")]
-    outcome: Annotated[Axis, Numbers("motor")]
+    frame: Frame
     minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
     """Body time the pilot took."""
+    fingerprint: str
+    """Of its body."""
 
-    def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
-        """How far beyond coasting did the posture come, given its speed and how far it was told to go; see `beyond`."""
-        return beyond(self.schema, self.dynamics, before, motors, after)
+    def experienced(self, motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(N, F, COLUMNS) features and (N, F) outcomes of a run from rest, in the order in which they happened.
 
-    def forward_model(self) -> ForwardModel:
-        """An empty forward model on these axes, one factor per motor."""
-        labels = tuple(f"motor {f}" for f in range(self.rate.factors))
-        return ForwardModel((self.rate,), self.action, self.outcome, factors=labels, prior_strength=PRIOR_STRENGTH)
+        Law, per factor with posture q, rate v, commanded posture c: outcome w = q' - q - k v, the displacement beyond
+        coasting, where k is how far a body moving at unit rate drifts in one tick when it is told to stay (a servo
+        brakes: k is well below the tick).
+        """
+        return _experienced(self.schema, self.dynamics, self.frame.features, motors, senses)
+
+    def learn(self, model: Explanations, motors: FloatArray, senses: FloatArray) -> None:
+        """Foretell and count a run."""
+        model.observe(*self.experienced(motors, senses))
+
+    def forward_model(self) -> Explanations:
+        """Empty, one factor per motor."""
+        return Explanations.empty(self.frame, self.fingerprint)
 
     def stream(self, body: Body, rng: np.random.Generator) -> Iterator[FloatArray]:
         """Smooth movements over the useful range."""
@@ -69,6 +72,15 @@ class Pilot:
 
 def pilot(body: Body, seed: int) -> Pilot:
     """Find out what there is to move and to feel.
+
+    Raises:
+        BabblingError: a motor that moves nothing that is felt.
+    """
+    return begin(body, seed)[0]
+
+
+def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
+    """`pilot`, and a forward model that has already learned from what the pilot lived through.
 
     Raises:
         BabblingError: a motor that moves nothing that is felt.
@@ -89,25 +101,36 @@ def pilot(body: Body, seed: int) -> Pilot:
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
     dynamics = fit_dynamics(schema, motors, senses)
-    seen = beyond(schema, dynamics, *flat(motors, senses))
-    rate = symmetric("rate", "rad/s", seen.context[0], GRID[0])
-    action = symmetric("action", "rad", seen.action, GRID[1])
-    outcome = symmetric("outcome", "rad", seen.outcome, GRID[2])
+    scale = np.abs(schema.slope)[:, None]
+    # lines bend where one has been on both sides
+    inner = np.quantile(senses[..., schema.posture], np.linspace(0.05, 0.95, HINGES), axis=(0, 1))
+    speed = span.speed[:, None] * scale
+    jitter, all_direct = span.jitter[:, None] * scale, np.eye(1, len(WIDTHS))
+    features = Features(
+        inner.T,
+        np.array(SLOW) * speed,
+        np.array(WIDTHS) * jitter,
+        np.array(ZONES) * jitter,
+        np.repeat(all_direct, len(low), axis=0),
+    )
+    seen = _experienced(schema, dynamics, features, motors, senses)
+    features = replace(features, share=shares(*seen))
+    seen = _experienced(schema, dynamics, features, motors, senses)
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
-    return Pilot(schema, span, low, high, dynamics, rate, action, outcome, minutes)
+    frame = Frame.found(features, *seen)
+    found = Pilot(schema, span, low, high, dynamics, frame, minutes, body.fingerprint)
+    model = found.forward_model()
+    model.observe(*seen, foretell=False)  # the frame has seen it already
+    return found, model
 
 
-def beyond(
-    schema: BodySchema, dynamics: LinearDynamics, before: FloatArray, motors: FloatArray, after: FloatArray
-) -> Transitions:
-    """A servo's own view of (N, S) sensations, (N, M) commands and what they led to.
-
-    Law, per factor with posture q, rate v, commanded posture c:
-    context v, action a = c - q, outcome w = q' - q - k v: the displacement beyond coasting, where k is how far a body
-    moving at unit rate drifts in one tick when it is told to stay (a servo brakes: k is well below the tick).
-    """
-    q, v = before[:, schema.posture], before[:, schema.rate]
-    return Transitions((v,), schema.efference(motors) - q, after[:, schema.posture] - q - v * dynamics.coasting)
+def _experienced(
+    schema: BodySchema, dynamics: LinearDynamics, features: Features, motors: FloatArray, senses: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    q, v = senses[..., schema.posture], senses[:-1, ..., schema.rate]
+    columns = features.of(q[:-1], v, schema.efference(motors))
+    outcome = q[1:] - q[:-1] - v * dynamics.coasting
+    return columns.reshape(-1, *columns.shape[2:]), outcome.reshape(-1, outcome.shape[-1])
 
 
 def wire(body: Body, stream: Iterator[FloatArray], lines: slice = slice(None)) -> tuple[BodySchema, int]:

@@ -20,6 +20,9 @@ from babbling.errors import BabblingError
 
 SCALE = 1 << 15
 _CHUNK = 1 << 16  # rows per exact float64 product: 2^16 rows x 2^30 < 2^53
+RARE = 1e-2
+"""Mean square, in units of the half range, that a feature is taken to have at least: what was next to never seen has
+little to say."""
 ROUNDING = 1e-12
 """Least ridge, relative to each feature's own square: what rounding leaves of features that say the same twice."""
 NOISE_ROUNDS = 4
@@ -97,7 +100,7 @@ class LinearGaussian:
         _add(self.sums, z)
 
     def fit(self, targets: Sequence[str], inputs: Sequence[str], ridge: float = 1e-9) -> LinearFit:
-        """Posterior of `targets` on 1 and `inputs`, in the channels' own units; `ridge` for each sample and half range.
+        """Posterior of `targets` on 1 and `inputs`, in the channels' own units; `ridge` for each sample and mean square of a feature (`RARE` at least).
 
         Raises:
             BabblingError: a factor without experience.
@@ -107,7 +110,8 @@ class LinearGaussian:
         order = [self.names.index(name) for name in ("1", *inputs, *targets)]
         moments = (self.sums / (self.sums[:, :1, :1].astype(float)))[:, order][:, :, order]
         centre, half = self.centre[:, order], self.half[:, order]
-        fit = _posterior(moments, self.samples, np.full((1, 1 + len(inputs)), ridge), centre, half)
+        own = ridge * (np.diagonal(moments, axis1=1, axis2=2)[:, : 1 + len(inputs)] + RARE)
+        fit = _posterior(moments, self.samples, own, centre, half)
         floor = (half[:, 1 + len(inputs) :] / SCALE) ** 2  # fixed point cannot see less
         diagonal = np.arange(len(targets))
         fit.covariance[:, diagonal, diagonal] = np.maximum(fit.covariance[:, diagonal, diagonal], floor)

@@ -14,7 +14,7 @@ from babbling.body import Body
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, choices
 from babbling.forward_model import ForwardModel
-from babbling.loop import Transitions
+from babbling.loop import Transitions, flat
 
 
 class StateMap(Protocol):
@@ -59,6 +59,10 @@ class Wanderer:
             raise BabblingError(f"a wanderer needs one motor with {len(actions)} choices ({', '.join(actions)})")
         self.states, self.actions, self.factors = states, tuple(actions), body.copies if alone else 1
         self.fingerprint = body.fingerprint
+
+    def learn(self, model: ForwardModel, motors: FloatArray, senses: FloatArray) -> None:
+        """Count a run."""
+        model.observe(*self.transitions(*flat(motors, senses)))
 
     def transitions(self, before: FloatArray, motors: FloatArray, after: FloatArray) -> Transitions:
         """(N, S), (N, 1), (N, S) in; NaN marks transitions from which nothing is to be learned."""

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import numpy as np
 
-from babbling.axes import FloatArray
-from babbling.forward_model import ForwardModel, same_axes
+from babbling.axes import FloatArray, same_axes
+from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
 from imitation.episodes import Episode
 from imitation.errors import ImitationError

@@ -23,7 +23,7 @@ from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
 from imitation.acting.loop import imitate
-from imitation.acting.rehearsal import EAGERNESS, best_eagerness
+from imitation.acting.rehearsal import REHEARSERS, best_eagerness
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse
 from models.feedforward import feedforward_angles
 
@@ -43,7 +43,7 @@ def run(config: Config) -> Result:
         gains = {
             peer: mind.temper.eagerness
             if isinstance(inverse, BayesianInverse)
-            else best_eagerness(body_of(config, len(EAGERNESS), stream=1), mind, inverse, config.seed)
+            else best_eagerness(body_of(config, REHEARSERS, stream=1), mind, inverse, config.seed)
             for peer, inverse in peers.items()
         }
         for done, (name, one) in enumerate(seen.items()):

@@ -22,7 +22,7 @@ from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
-from imitation.acting.rehearsal import EAGERNESS, best_eagerness
+from imitation.acting.rehearsal import REHEARSERS, best_eagerness
 from imitation.inference.inverse import LinearInverse
 
 MOVES = np.deg2rad(1.0)
@@ -58,7 +58,7 @@ def run(config: Config) -> Result:
     rng = np.random.default_rng([config.seed, 8])
     attempts = perform(selection=config.selection, attempts=config.attempts, rng=rng)
     line = LinearInverse(mind.forward_model)
-    eagerness = best_eagerness(body_of(config, len(EAGERNESS), stream=1), mind, line, config.seed)
+    eagerness = best_eagerness(body_of(config, REHEARSERS, stream=1), mind, line, config.seed)
     peer = perform(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
     done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
     metrics = measure(done)

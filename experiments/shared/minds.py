@@ -17,7 +17,7 @@ from babbling.pilot import Pilot, pilot
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
-from imitation.acting.rehearsal import EAGERNESS, rehearse
+from imitation.acting.rehearsal import REHEARSERS, rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
 
@@ -123,7 +123,7 @@ def learn_mind(
     body.reseed(1 + first)
     model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-    mind = rehearse(body_of(options, len(EAGERNESS), stream=1), mind, options.seed)
+    mind = rehearse(body_of(options, REHEARSERS, stream=1), mind, options.seed)
     report(1.0)
     ticks, curve = sum(plan[first:]), LearningCurve(*np.array(held_out.points).T)
     metrics = {

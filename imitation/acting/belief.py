@@ -6,8 +6,6 @@ by hand. The bias is what the body does and the forward model did not expect: th
 (Figure 9), slowly learned while moving.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from babbling.axes import FloatArray
@@ -15,9 +13,6 @@ from babbling.dynamics import LinearDynamics
 from babbling.schema import BodySchema
 from imitation.filters import kalman
 from imitation.filters.kalman import Belief
-
-Expectation = Callable[[tuple[FloatArray, ...], FloatArray], FloatArray]
-"""(B, F) contexts (the rate) and action to (B, F) expected displacement beyond coasting."""
 
 
 class StateEstimate:
@@ -27,13 +22,10 @@ class StateEstimate:
     Args:
         schema: the noise of the senses.
         dynamics: the linear account of posture and rate.
-        expectation: what the forward model expects of an action. Where it departs from the line (stiction), the
-            prediction departs with it, the rate as it would under a bias of that size; None keeps to the line. The
-            covariances are the line's (an extended Kalman filter whose Jacobian is the average one).
     """
 
-    def __init__(self, schema: BodySchema, dynamics: LinearDynamics, expectation: Expectation | None = None) -> None:
-        self.dynamics, self.expectation = dynamics, expectation
+    def __init__(self, schema: BodySchema, dynamics: LinearDynamics) -> None:
+        self.dynamics = dynamics
         noise = np.zeros((len(schema.noise), 2, 2))
         noise[:, 0, 0], noise[:, 1, 1] = schema.noise**2, schema.rate_noise**2
         self.system = kalman.System(dynamics.transition, dynamics.noise, np.eye(2, 3), noise)
@@ -45,13 +37,21 @@ class StateEstimate:
         covariance[:, 2, 2] = self.dynamics.bias_variance
         return Belief(np.stack([posture, rate, np.zeros_like(posture)], -1), covariance)
 
-    def predict(self, belief: Belief, command: FloatArray) -> Belief:
-        """One tick later, having commanded postures (B, F): the efference copy pushes the belief on."""
+    def predict(self, belief: Belief, command: FloatArray, expected: FloatArray | None = None) -> Belief:
+        """One tick later, having commanded postures (B, F): the efference copy pushes the belief on.
+
+        Args:
+            belief: before.
+            command: what was commanded.
+            expected: (B, F) displacement beyond coasting that the forward model expects of it. Where it departs from
+                the line (stiction), the prediction departs with it, the rate as it would under a bias of that size;
+                None keeps to the line. The covariances are the line's (an extended Kalman filter whose Jacobian is the
+                average one).
+        """
         push = self.dynamics.control * command[..., None] + self.dynamics.offset
-        if self.expectation is not None:
-            posture, rate = belief.mean[..., 0], belief.mean[..., 1]
-            line = self.dynamics.offset[:, 0] + self.dynamics.control[:, 0] * (command - posture)
-            departure = self.expectation((rate,), command - posture) - line
+        if expected is not None:
+            line = self.dynamics.offset[:, 0] + self.dynamics.control[:, 0] * (command - belief.mean[..., 0])
+            departure = expected - line
             push[..., 0] += departure
             push[..., 1] += self.dynamics.transition[:, 1, 2] * departure
         return kalman.predict(self.system, belief, push)

@@ -15,13 +15,15 @@ from numpy.typing import ArrayLike
 
 from babbling.axes import BoolArray, FloatArray, fixed
 from babbling.body import Body
+from babbling.features import Echo
 from babbling.mind import Mind
 from imitation.acting.attempts import Practice
 from imitation.acting.belief import StateEstimate
 from imitation.acting.movement import Movement, approach
 from imitation.errors import ImitationError
 from imitation.filters.kalman import Belief
-from imitation.inference.inverse import BayesianInverse, InverseModel, Term
+from imitation.inference.inverse import Term
+from imitation.inference.moving import AveragedInverse, Here, MovingInverse
 
 
 class State(NamedTuple):
@@ -31,6 +33,8 @@ class State(NamedTuple):
     """Steps taken, those of the approach included."""
     belief: Belief
     """What the next senses are expected to correct."""
+    echo: Echo
+    """What earlier commands left."""
     targets: FloatArray
     """(N + 1, B, F) postures of the approach, of the movement, and one beyond."""
 
@@ -50,8 +54,10 @@ class Info:
     """(B, F) outcome that the inverse model was asked for."""
     commands: FloatArray
     """(B, F) commanded postures."""
+    candidates: FloatArray
+    """(B, F, A) actions that Eq. (1) weighed; (B, F, 0) for inverse models without beliefs."""
     posterior: FloatArray
-    """(B, F, A) Eq. (1); (B, F, 0) for inverse models without beliefs."""
+    """(B, F, A) Eq. (1) over them."""
     evidence: FloatArray
     """(B, F); (B, 0) without beliefs."""
     entropy: FloatArray
@@ -59,7 +65,7 @@ class Info:
     familiarity: FloatArray
     """(B, F) visits that the chosen action's row had while babbling (0: never tried here)."""
     uninformed: BoolArray
-    """(B, F) where the fallback acted."""
+    """(B, F) where the forward model was asked beyond its table's axes."""
     select_s: FloatArray
     """() wall time of one selection for all factors and copies."""
 
@@ -67,7 +73,7 @@ class Info:
 @dataclass(frozen=True, eq=False)
 class Attempt(Info):
     """`Info` over the T ticks of the movement that happened (of the approach, where it went is all that is kept): T in
-    front of every shape; posterior and familiarity of copy 0 alone, single precision."""
+    front of every shape; candidates, posterior and familiarity of copy 0 alone, single precision."""
 
     senses: FloatArray
     """(T, B, S) sensations at each sub-goal's time."""
@@ -105,15 +111,16 @@ class Imitator:
         movement: Movement,
         *,
         selection: str = "mean",
-        inverse: InverseModel | None = None,
+        inverse: MovingInverse | None = None,
         eagerness: FloatArray | float | None = None,
         terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
     ) -> None:
-        self.mind, self.tick_s, self.goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
-        self.inverse = inverse or BayesianInverse(mind.forward_model, selection, trust=mind.temper.trust)
+        self.mind, self.tick_s, goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
+        self.goals = goals if goals.ndim == 3 else goals[:, None]  # (T, 1 or B, F)
+        self.inverse = inverse or AveragedInverse(mind.forward_model, selection, trust=mind.temper.trust)
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
         self.terms = terms
-        self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics, self.inverse.expect)
+        self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics)
 
     def start(self, senses: FloatArray, aim: ArrayLike = 0.0) -> State:
         """At rest, feeling (B, S): every copy's own way into the movement.
@@ -122,7 +129,7 @@ class Imitator:
             senses: what is felt before the first step; `step` is to be given it as well.
             aim: (T, B, F) offset of each sub-goal.
         """
-        schema, goals = self.mind.pilot.schema, self.goals[:, None]
+        schema, goals = self.mind.pilot.schema, self.goals
         posture, rate = senses[:, schema.posture], senses[:, schema.rate]
         shift = np.broadcast_to(aim, (len(goals), *posture.shape))
         way = approach(posture, self.goals, self.tick_s, self.mind.pilot.low, self.mind.pilot.high)
@@ -130,7 +137,8 @@ class Imitator:
         up = np.linspace(0, 1, len(way))[:, None, None]
         targets = np.concatenate([way + up * shift[:1], goals + shift])
         targets = np.concatenate([targets, 2 * targets[-1:] - targets[-2:-1]])  # one beyond: the last own pace
-        return State(0, self.estimate.start(posture, rate), fixed(targets))
+        echo = self.mind.pilot.frame.features.start(posture)
+        return State(0, self.estimate.start(posture, rate), echo, fixed(targets))
 
     def step(self, state: State, senses: FloatArray, rng: np.random.Generator) -> tuple[State, FloatArray, Info]:
         """One tick: feeling (B, S), the state after it, (B, M) motor commands, and what there is to see.
@@ -148,15 +156,18 @@ class Imitator:
         posture = target + self.eagerness * (belief.mean[..., 0] - target)
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
         wanted = after - posture - self.mind.pilot.dynamics.coasting * rate - belief.mean[..., 2]
-        term = Term(self.mind.forward_model, (rate,), wanted)
-        terms = [term, *self.terms(senses, belief.mean)]
+        here, terms = Here(posture, rate, state.echo, pace), self.terms(senses, belief.mean)
         clock = time.perf_counter()
-        choice = self.inverse.choose(terms, rng)
+        choice = self.inverse.choose(here, wanted, terms, rng)
         clock = time.perf_counter() - clock
         # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
         command = np.clip(posture + choice.action, self.mind.pilot.low, self.mind.pilot.high)
         nothing = np.zeros((*rate.shape, 0))
-        state = state._replace(tick=state.tick + 1, belief=self.estimate.predict(belief, command))
+        felt = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, pace)
+        predicted = self.estimate.predict(belief, command, self.inverse.expect(felt, command))
+        echo = self.mind.pilot.frame.features.after(state.echo, command)
+        outlook = self.mind.forward_model.at(posture, rate, state.echo)
+        state = State(state.tick + 1, predicted, echo, state.targets)
         info = Info(
             believed=belief.mean,
             wanted=wanted,
@@ -164,8 +175,9 @@ class Imitator:
             posterior=nothing if choice.posterior is None else choice.posterior.probability,
             evidence=nothing[:, 0] if choice.posterior is None else choice.posterior.evidence,
             entropy=nothing[:, 0] if choice.posterior is None else choice.posterior.entropy,
-            familiarity=term.rows.familiarity(choice.action),
-            uninformed=choice.uninformed,
+            candidates=choice.candidates,
+            familiarity=outlook.familiarity(command),
+            uninformed=choice.beyond,
             select_s=np.array(clock),
         )
         return state, schema.motors(command), info
@@ -179,7 +191,7 @@ def imitate(
     selection: str = "mean",
     attempts: int = 1,
     rng: np.random.Generator,
-    inverse: InverseModel | None = None,
+    inverse: MovingInverse | None = None,
     eagerness: FloatArray | float | None = None,
     terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
     witness: Callable[[], FloatArray] | None = None,
@@ -210,7 +222,7 @@ def imitate(
         raise ImitationError(f"{movement.name} has ticks of {movement.tick_s:g} s, the body of {body.tick_s:g} s")
     mind.check(body)
     imitator = Imitator(mind, movement, selection=selection, inverse=inverse, eagerness=eagerness, terms=terms)
-    goals = imitator.goals[:, None]
+    goals = imitator.goals
     practice = Practice.empty(len(goals), body.copies, goals.shape[-1])
     done = []
     for _ in range(attempts):
@@ -236,7 +248,8 @@ def _attempt(
         senses.append(felt)
         truth.append(witness().copy() if witness else np.zeros((body.copies, 0)))
         # many copies' posteriors would fill the memory
-        infos.append(replace(info, posterior=info.posterior[0].astype(np.float32), familiarity=info.familiarity[0]))
+        few = {name: getattr(info, name)[0].astype(np.float32) for name in ("posterior", "candidates", "familiarity")}
+        infos.append(replace(info, **few))
         if why is None:
             felt = body.act(motors)
     end = len(infos) - (why is not None)  # the step that found the end was not done

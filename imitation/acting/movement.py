@@ -1,5 +1,6 @@
 """A movement that was seen, in one's own terms: what one's own senses would read at every tick."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,24 +21,32 @@ class Movement:
     name: str
     tick_s: float
     senses: FloatArray
-    """(T, S) sense lines as they would read; NaN where a sense cannot be seen on somebody else."""
+    """(T, S) sense lines as they would read, or (T, B, S) for copies that do different things; NaN where a sense cannot
+    be seen on somebody else."""
 
     def __post_init__(self) -> None:
-        if self.senses.ndim != 2 or len(self.senses) < 3:
+        if self.senses.ndim not in (2, 3) or len(self.senses) < 3:
             raise ImitationError(f"{self.name}: {len(self.senses)} frames; a movement needs at least 3")
         object.__setattr__(self, "senses", fixed(np.array(self.senses, float)))
 
     def postures(self, schema: BodySchema) -> FloatArray:
-        """(T, F) postures to come to.
+        """(T, F) or (T, B, F) postures to come to.
 
         Raises:
             ImitationError: a posture that the schema needs was not seen.
         """
-        postures = self.senses[:, schema.posture]
+        postures = self.senses[..., schema.posture]
         if np.isnan(postures).any():
-            factor = int(np.argwhere(np.isnan(postures).any(0))[0, 0])
+            factor = int(np.argwhere(np.isnan(postures))[0, -1])
             raise ImitationError(f"{self.name}: nothing was seen for the posture that motor {factor} moves")
         return postures
+
+
+def together(movements: Sequence[Movement]) -> Movement:
+    """Copy b does movement b; who is done waits in the last posture."""
+    longest = max(len(movement.senses) for movement in movements)
+    waiting = [np.pad(m.senses, ((0, longest - len(m.senses)), (0, 0)), mode="edge") for m in movements]
+    return Movement(" and ".join(m.name for m in movements), movements[0].tick_s, np.stack(waiting, axis=1))
 
 
 def slowed(frames: FloatArray, factor: float) -> FloatArray:
@@ -49,7 +58,7 @@ def slowed(frames: FloatArray, factor: float) -> FloatArray:
 
 
 def approach(start: FloatArray, goals: FloatArray, tick_s: float, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, F), arriving at its pace.
+    """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, F) or (T, ..., F), arriving at its pace.
 
     Law: quintics with given position, velocity and acceleration at both ends (the minimum-jerk paths between moving
     states, Flash and Hogan 1985): from rest to a run-up point, and from rest there into the movement. The run-up is

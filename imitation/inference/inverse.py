@@ -93,6 +93,13 @@ class Term:
     weight: FloatArray | float = 1.0
     """w, or (F,) of them: 0 leaves the term out, 2 counts it twice."""
 
+    def likelihood(self, actions: FloatArray) -> FloatArray:
+        """(A, B, F) P(s' | s, a) of (A, B, F) actions."""
+        model = self.forward_model
+        rows = model.at([np.broadcast_to(context, actions.shape) for context in self.context])
+        where = rows.cells.on(model.action, actions).on(model.outcome, np.broadcast_to(self.outcome, actions.shape))
+        return where.read(model.predictive)
+
     @cached_property
     def rows(self) -> Rows:
         """The forward model at the context, found once for all who ask."""

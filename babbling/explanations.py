@@ -1,0 +1,247 @@
+"""The forward model of one's own movements: rival explanations, averaged by how well each foretold what happened.
+
+Chapter, section 3.1: P(s_{t+1} | s_t, a_t) is learned from babbling. Which kind of law a joint obeys is not known, so
+several are kept (`babbling.features`): lines in few and in many features, and a Dirichlet table that counts by how much
+the displacement departs from the richest line, given rate and effort. Each tells a mean m_e and an error s_e:
+
+    E[w | x] = sum_e P_e m_e(x),     log P_e = sum over new experience of log N(w; m_e(x), s_e^2)  + const.
+
+P_e is the evidence, accumulated prequentially: experience is foretold first and counted afterwards (Dawid 1984), so an
+explanation that only fits what it has seen gains nothing. With little experience the simplest line wins; where the
+world is not a line the table does. Lines are conjugate Gaussian, the table is Dirichlet; all counts are sums of integers, so
+what was learned apart is merged by adding.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from babbling.axes import BoolArray, FloatArray, IntArray, same_axes
+from babbling.errors import BabblingError
+from babbling.features import BEFORE, COLUMNS, LINES, Echo
+from babbling.forward_model import ForwardModel, Rows
+from babbling.frame import RIDGE, Frame, whole
+from babbling.kinds import Numbers
+from babbling.regression import LinearFit
+
+EXPLANATIONS = (*LINES, "table")
+PRIOR_STRENGTH = 20.0
+"""Pseudo-counts of the table's linear-Gaussian prior."""
+BLOCK = 512
+"""Experience is foretold and counted in blocks of at least so many transitions, and of a quarter of what is known."""
+SURPRISE = 36.0
+"""Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
+NOTICED = 1e-3
+"""An explanation that is less probable is not asked."""
+_BEFORE = len(BEFORE)
+
+
+@dataclass(eq=False)
+class Explanations:
+    """Rival explanations of w, the displacement beyond coasting, of F factors; see the module.
+
+    Begun with the pilot's frame by `empty`; learns by `observe`.
+    """
+
+    frame: Frame
+    table: Annotated[ForwardModel, Numbers("motor")]
+    """P(departure | rate, effort), on bent axes."""
+    moments: Annotated[IntArray, Numbers("motor term term_", low=-(2.0**62), high=2.0**62)]
+    """(F, C + 1, C + 1) `LinearGaussian.sums` of the columns and w."""
+    evidence: Annotated[FloatArray, Numbers("motor explanation", "nat", low=-1e15, high=1e15)]
+    """(F, E) log P_e, up to a constant."""
+    squares: Annotated[FloatArray, Numbers("motor explanation", low=0, high=1e12)]
+    """(F, E) sum of the squared errors of foretelling."""
+    foretold: Annotated[FloatArray, Numbers("motor", low=0, high=1e15)]
+    """(F,) transitions that were foretold."""
+
+    def __post_init__(self) -> None:
+        frame, factors = self.frame, len(self.table.factors)
+        self.features, self.sums = frame.features, frame.nothing()
+        if not same_axes(self.table.axes, (frame.rate, frame.effort, frame.departure)) or (
+            self.moments.shape != self.sums.sums.shape or self.evidence.shape != (factors, len(EXPLANATIONS))
+        ):
+            raise BabblingError("the forward model was learned with other features; babble anew")
+        self.sums.sums = self.moments
+
+    @classmethod
+    def empty(cls, frame: Frame, fingerprint: str) -> "Explanations":
+        """Nothing counted yet."""
+        factors, explanations = len(frame.bend), len(EXPLANATIONS)
+        table = ForwardModel(
+            (frame.rate,),
+            frame.effort,
+            frame.departure,
+            factors=[f"motor {f}" for f in range(factors)],
+            prior_strength=PRIOR_STRENGTH,
+            fingerprint=fingerprint,
+        )
+        terms = 1 + frame.reach.shape[1]
+        nothing = np.zeros((3, factors, explanations))
+        return cls(frame, table, np.zeros((factors, terms, terms), np.int64), nothing[0], nothing[1], nothing[2, :, 0])
+
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """One label per factor, for people."""
+        return self.table.factors
+
+    @property
+    def transitions(self) -> int:
+        """How many transitions were learned, all factors together."""
+        return int(self.sums.samples.sum())
+
+    @property
+    def outside(self) -> IntArray:
+        """(F,) transitions that fell off the table's axes."""
+        return self.table.outside
+
+    # ---------------------------------------------------------------- learning
+
+    def observe(self, columns: FloatArray, outcome: FloatArray, *, foretell: bool = True) -> None:
+        """Foretell, then count: (N, F, COLUMNS) and (N, F), in the order in which they happened."""
+        start = 0
+        while start < len(outcome):
+            size = max(BLOCK, int(self.sums.samples.min()) // 4)
+            x, w = columns[start : start + size], outcome[start : start + size]
+            if foretell and self.sums.samples.min() > 2 * len(COLUMNS):
+                self._foretell(x, w)
+            self.sums.observe(np.concatenate([x[..., 1:], w[..., None]], axis=-1), np.ones(w.shape, bool))
+            rate, effort = self.frame.bent(x)
+            self.table.observe((rate,), effort, w - (x * self.frame.line).sum(-1))
+            self._forget()
+            start += size
+
+    def _foretell(self, columns: FloatArray, outcome: FloatArray) -> None:
+        means = [(columns * line).sum(-1) for line in self.lines]
+        rate, effort = self.frame.bent(columns)
+        means[-1] = means[-1] + self.table.at((rate,)).expected(effort)
+        error = (outcome[..., None] - np.stack(means, axis=-1)) ** 2
+        variance = self.errors**2
+        self.evidence -= (np.log(variance) / 2 + np.minimum(error / variance, SURPRISE) / 2).sum(0)
+        self.squares += np.minimum(error, SURPRISE * variance).sum(0)
+        self.foretold += len(outcome)
+
+    def merge(self, other: "Explanations") -> None:
+        """Add what another one of the same pilot learned.
+
+        Raises:
+            BabblingError: another pilot's.
+        """
+        if not self.frame.same(other.frame):
+            raise BabblingError("these forward models do not share their axes; only those of one pilot can be merged")
+        self.table.merge(other.table)
+        for mine, theirs in (
+            (self.moments, other.moments), (self.evidence, other.evidence), (self.squares, other.squares),
+            (self.foretold, other.foretold),
+        ):  # fmt: skip
+            mine += theirs
+        self._forget()
+
+    def _forget(self) -> None:
+        for known in ("lines", "errors", "weights", "habit", "_averaged", "spread"):
+            vars(self).pop(known, None)
+
+    # --------------------------------------------------------------- predicting
+
+    @cached_property
+    def lines(self) -> FloatArray:
+        """(E, F, COLUMNS) weights of each line; of the table, those of the line from which it departs."""
+        fits = [whole(self.fit(name), name) for name in LINES]
+        return np.stack([*fits, self.frame.line])
+
+    def fit(self, explanation: str) -> LinearFit:
+        """The posterior of a line's weights."""
+        return self.sums.fit(["outcome"], LINES[explanation], RIDGE)
+
+    @cached_property
+    def errors(self) -> FloatArray:
+        """(F, E) s_e: what foretelling missed by so far (a block's worth of it what the lines leave of their own)."""
+        own = np.stack([np.sqrt(self.fit(name).covariance[:, 0, 0]) for name in (*LINES, "play")], axis=-1)
+        return np.asarray(np.sqrt((self.squares + BLOCK * own**2) / (self.foretold[:, None] + BLOCK)))
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """(F, E) P_e."""
+        likely = np.exp(self.evidence - self.evidence.max(1, keepdims=True))
+        likely[likely < NOTICED * likely.sum(1, keepdims=True)] = 0
+        return np.asarray(likely / likely.sum(1, keepdims=True))
+
+    @cached_property
+    def spread(self) -> FloatArray:
+        """(F,) root of sum_e P_e s_e^2: how far off the average is expected to be."""
+        return np.asarray(np.sqrt((self.weights * self.errors**2).sum(1)))
+
+    @cached_property
+    def habit(self) -> tuple[FloatArray, FloatArray]:
+        """(F, BEFORE) weights of the line through the actions c - q that babbling took, and (F,) how far off it is."""
+        inputs = [name for name in BEFORE[1:] if name != "before"]
+        fit = self.sums.fit(["action"], inputs, RIDGE)
+        line = np.zeros((len(self.factors), _BEFORE))
+        line[:, [0, *(COLUMNS.index(name) for name in inputs)]] = fit.coefficients[:, 0]
+        return line, np.sqrt(fit.covariance[:, 0, 0])
+
+    @property
+    def slope(self) -> FloatArray:
+        """(F,) E[w] per unit of command, where plays and dead zones are taken up."""
+        return np.asarray(self._averaged[:, _BEFORE:].sum(1))
+
+    @cached_property
+    def _averaged(self) -> FloatArray:
+        """(F, COLUMNS) lines averaged: they are linear in their weights."""
+        return np.asarray(np.einsum("fe,efx->fx", self.weights, self.lines))
+
+    def at(self, posture: FloatArray, rate: FloatArray, echo: Echo) -> "Outlook":
+        """What may come of (..., F) postures and rates, given what earlier commands left."""
+        before = self.features.before(posture, rate, echo)
+        fixed = (before * self._averaged[:, :_BEFORE]).sum(-1)
+        return Outlook(self, posture, echo, before, fixed)
+
+
+class Outlook(NamedTuple):
+    """The forward model at some state: all that does not depend on the action has been worked out."""
+
+    explanations: Explanations
+    posture: FloatArray
+    """(..., F)."""
+    echo: Echo
+    before: FloatArray
+    """(..., F, BEFORE)."""
+    fixed: FloatArray
+    """(..., F) what is expected of no effort at all."""
+
+    def expected(self, command: FloatArray) -> FloatArray:
+        """(n..., ..., F) E[w | x] of commands."""
+        known = self.explanations
+        plays = known.features.plays(self.echo, command) - self.posture[..., None]
+        mean = self.fixed + (known.features.acted(plays) * known._averaged[:, _BEFORE:]).sum(-1)
+        trusted = known.weights[:, -1]
+        if trusted.any():
+            mean = mean + trusted * self._rows(mean.shape).expected(self._effort(plays))
+        return np.asarray(mean)
+
+    @property
+    def usual(self) -> FloatArray:
+        """(..., F) the action c - q that one is used to here."""
+        return np.asarray((self.before * self.explanations.habit[0]).sum(-1))
+
+    def familiarity(self, command: FloatArray) -> FloatArray:
+        """(..., F) visits that the cell nearest to (..., F) commands had while babbling."""
+        plays = self.explanations.features.plays(self.echo, command) - self.posture[..., None]
+        return self._rows(command.shape).familiarity(self._effort(plays))
+
+    def beyond(self, command: FloatArray) -> BoolArray:
+        """(..., F) where (..., F) commands are off the table's axes, and the table is trusted."""
+        plays = self.explanations.features.plays(self.echo, command) - self.posture[..., None]
+        inside = self._rows(command.shape).cells.on(self.explanations.table.action, self._effort(plays)).inside
+        return np.asarray(~inside & (self.explanations.weights[:, -1] > 0))
+
+    def _rows(self, shape: tuple[int, ...]) -> Rows:
+        rate = np.arcsinh(self.before[..., 1] / self.explanations.frame.bend[:, 0])
+        return self.explanations.table.at((np.broadcast_to(rate, shape),))
+
+    def _effort(self, plays: FloatArray) -> FloatArray:
+        known = self.explanations
+        beyond = known.features.effort(plays) - (self.before * known.frame.centre).sum(-1)
+        return np.asarray(np.arcsinh(beyond / known.frame.bend[:, 1]))

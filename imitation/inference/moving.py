@@ -1,0 +1,143 @@
+"""Eq. (1) for one's own movements: which command brings about a wanted displacement, by all explanations at once.
+
+    P(a | s, s', g) = c N(w; E[w | s, a], s^2) prod_k P(s'_k | s_k, a)^{w_k} P(a | s)^h
+
+The likelihood is the average of rival explanations (`babbling.explanations`), P(a | s) the habit, h how far it is
+trusted. An action is a real number: the posterior is worked out at actions that lie densely about the most probable one
+and reach as far as stiction and play may carry it, each weighed by its distance from the next.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from babbling.axes import Axis, BoolArray, FloatArray
+from babbling.explanations import Explanations, Outlook
+from babbling.features import Echo
+from imitation.inference.bayes import Posterior, action_posterior
+from imitation.inference.inverse import Term
+from imitation.inference.selection import select_mean, selection_rule
+
+CANDIDATES = 41
+"""Actions at which the posterior is worked out."""
+COARSE, FINE = 2.0, 0.5
+"""Distance between the middle ones, in standard deviations that the posterior would have on a line: to find the most
+probable action, and about it."""
+FAR = (8.0, 4.0)
+"""They reach so many of these standard deviations, and so many of the habit's, to either side."""
+_EVEN = np.linspace(-1, 1, CANDIDATES)
+_PLACES = Axis("candidate", "1", np.zeros(1), np.array([CANDIDATES - 1.0]), CANDIDATES)
+
+Prior = Callable[[Outlook, FloatArray], FloatArray]
+"""What one is used to, for (A, B, F) actions c - q: (A, B, F) log P(a | s, g), up to a constant."""
+
+
+class Here(NamedTuple):
+    """Where one is; arrays (B, F)."""
+
+    posture: FloatArray
+    rate: FloatArray
+    echo: Echo
+    """What earlier commands left."""
+    pace: FloatArray
+    """Rate that is wanted next."""
+
+
+class Decided(NamedTuple):
+    """Actions, and what led to them."""
+
+    action: FloatArray
+    """(B, F) c - q."""
+    candidates: FloatArray
+    """(B, F, A) actions that were weighed; (B, F, 0) for inverse models without beliefs."""
+    posterior: Posterior | None
+    """Eq. (1) over them."""
+    beyond: BoolArray
+    """(B, F) where the table was asked beyond its axes, and answered with their ends."""
+
+    @classmethod
+    def bare(cls, action: FloatArray) -> "Decided":
+        """Actions of an inverse model without beliefs."""
+        return cls(action, np.zeros((*action.shape, 0)), None, np.zeros(action.shape, bool))
+
+
+class MovingInverse(Protocol):
+    """Chooses actions for all factors of all copies at once."""
+
+    def choose(self, here: Here, wanted: FloatArray, terms: Sequence[Term], rng: np.random.Generator) -> Decided:
+        """For (B, F) wanted displacements beyond coasting, and whatever else the terms want."""
+
+    def expect(self, here: Here, command: FloatArray) -> FloatArray:
+        """(B, F) expected displacement beyond coasting under (B, F) commands: the forward model behind this inverse."""
+
+
+class AveragedInverse:
+    """See the module.
+
+    Args:
+        forward_model: what babbling left.
+        selection: name of a selection rule.
+        trust: (F,) or (B, F) exponent h of the habit; 0 is the uniform prior.
+        prior: what replaces the habit.
+    """
+
+    def __init__(
+        self,
+        forward_model: Explanations,
+        selection: str = "mean",
+        *,
+        trust: FloatArray | float = 0.1,
+        prior: Prior | None = None,
+    ) -> None:
+        self.forward_model, self.rule = forward_model, selection_rule(selection)
+        self.trust, self.prior = np.asarray(trust, float), prior or self.habit
+
+    def habit(self, outlook: Outlook, actions: FloatArray) -> FloatArray:
+        """h log P(a | s): a Gaussian about the line through what babbling did."""
+        return np.asarray(-0.5 * self.trust * ((actions - outlook.usual) / self.forward_model.habit[1]) ** 2)
+
+    def expect(self, here: Here, command: FloatArray) -> FloatArray:
+        """See `MovingInverse`."""
+        return self.forward_model.at(here.posture, here.rate, here.echo).expected(command)
+
+    def choose(self, here: Here, wanted: FloatArray, terms: Sequence[Term], rng: np.random.Generator) -> Decided:
+        """See `MovingInverse`.
+
+        Raises:
+            ImitationError: a term that does not fit its forward model.
+        """
+        model, posture = self.forward_model, here.posture
+        outlook = model.at(posture, here.rate, here.echo)
+        last = here.echo.command
+        slope = np.maximum(np.abs(model.slope), 1e-6)
+        near = last - posture + (wanted - outlook.expected(last)) / slope  # the line's answer
+        width = 1 / np.sqrt((slope / model.spread) ** 2 + self.trust / model.habit[1] ** 2)
+        reach = np.maximum(FAR[0] * width, FAR[1] * model.habit[1])
+
+        def logs(actions: FloatArray) -> tuple[FloatArray, FloatArray]:
+            likelihood = -0.5 * ((wanted - outlook.expected(posture + actions)) / model.spread) ** 2
+            for term in terms:
+                likelihood = likelihood + term.weight * np.log(np.maximum(term.likelihood(actions), 1e-300))
+            return likelihood, self.prior(outlook, actions)
+
+        about = near + COARSE * width * np.sinh(_EVEN[:, None, None] * np.arcsinh(1.5 * reach / (COARSE * width)))
+        best = sum(logs(about)).argmax(0)
+        near = np.take_along_axis(about, best[None], 0)[0]
+        bent = np.arcsinh(reach / (FINE * width))
+        actions = near + FINE * width * np.sinh(_EVEN[:, None, None] * bent)
+        likelihood, prior = logs(actions)
+        top = likelihood.max(0), prior.max(0)
+        weight = np.exp(prior - top[1]) * np.gradient(actions, axis=0)
+        norm = weight.sum(0)
+        found = action_posterior(np.moveaxis(np.exp(likelihood - top[0]), 0, -1), np.moveaxis(weight / norm, 0, -1))
+        posterior = Posterior(found.probability, found.evidence * np.exp(top[0]), found.informed)
+        candidates = np.moveaxis(actions, 0, -1)
+        if self.rule is select_mean:
+            action = (posterior.probability * candidates).sum(-1)
+        else:
+            density = posterior.probability / np.gradient(candidates, axis=-1)
+            draws = self.rule.__name__ == "select_matching"
+            place = self.rule(posterior.probability if draws else density, _PLACES, rng)
+            action = near + FINE * width * np.sinh((2 * place / (CANDIDATES - 1) - 1) * bent)
+        return Decided(action, candidates, posterior, outlook.beyond(posture + action))
