@@ -8,8 +8,8 @@ the displacement departs from the richest line, given rate and effort. Each tell
 
 P_e is the evidence, accumulated prequentially: experience is foretold first and counted afterwards (Dawid 1984), so an
 explanation that only fits what it has seen gains nothing. With little experience the simplest line wins; where the
-world is not a line the table does. Lines are conjugate Gaussian, the table is Dirichlet; all counts are sums of integers, so
-what was learned apart is merged by adding.
+world is not a line the table does. Lines are conjugate Gaussian, the table is Dirichlet; all counts are sums of
+integers, so what was learned apart is merged by adding.
 """
 
 from dataclasses import dataclass
@@ -114,10 +114,7 @@ class Explanations:
             start += size
 
     def _foretell(self, columns: FloatArray, outcome: FloatArray) -> None:
-        means = [(columns * line).sum(-1) for line in self.lines]
-        rate, effort = self.frame.bent(columns)
-        means[-1] = means[-1] + self.table.at((rate,)).expected(effort)
-        error = (outcome[..., None] - np.stack(means, axis=-1)) ** 2
+        error = (outcome[..., None] - self.foretold_by(columns)) ** 2
         variance = self.errors**2
         self.evidence -= (np.log(variance) / 2 + np.minimum(error / variance, SURPRISE) / 2).sum(0)
         self.squares += np.minimum(error, SURPRISE * variance).sum(0)
@@ -150,6 +147,13 @@ class Explanations:
         """(E, F, COLUMNS) weights of each line; of the table, those of the line from which it departs."""
         fits = [whole(self.fit(name), name) for name in LINES]
         return np.stack([*fits, self.frame.line])
+
+    def foretold_by(self, columns: FloatArray) -> FloatArray:
+        """(N, F, E) m_e(x) of (N, F, COLUMNS) features: what each explanation expects."""
+        means: FloatArray = np.einsum("nfx,efx->nfe", columns, self.lines)
+        rate, effort = self.frame.bent(columns)
+        means[..., -1] += self.table.at((rate,)).expected(effort)
+        return means
 
     def fit(self, explanation: str) -> LinearFit:
         """The posterior of a line's weights."""

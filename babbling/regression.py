@@ -100,7 +100,9 @@ class LinearGaussian:
         _add(self.sums, z)
 
     def fit(self, targets: Sequence[str], inputs: Sequence[str], ridge: float = 1e-9) -> LinearFit:
-        """Posterior of `targets` on 1 and `inputs`, in the channels' own units; `ridge` for each sample and mean square of a feature (`RARE` at least).
+        """Posterior of `targets` on 1 and `inputs`, in the channels' own units.
+
+        The prior's precision is `ridge` for each sample and mean square of a feature (`RARE` at least).
 
         Raises:
             BabblingError: a factor without experience.

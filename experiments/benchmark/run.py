@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from babbling.loop import BOUT_TICKS, babble, bouts, experience, flat
+from babbling.loop import babble, bouts
 from babbling.mind import Mind
 from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.options import Config
-from experiments.benchmark.peers import MLPInverse, have_sklearn
 from experiments.gesture.figures import babbling_curve
 from experiments.shared.baselines import direct_replay, replay_commands
 from experiments.shared.experiment import Result
 from experiments.shared.judging import LearningCurve, rmse_deg
 from experiments.shared.minds import COPIES, HeldOut, bare_rate, body_of, learn_mind
 from experiments.shared.options import BodyOptions
+from experiments.shared.peers import ForwardLine, InverseLine
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
 from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import REHEARSERS, best_eagerness
-from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse
+from imitation.inference.moving import AveragedInverse, MovingInverse
 from models.feedforward import feedforward_angles
 
 
@@ -42,7 +42,7 @@ def run(config: Config) -> Result:
     with progress("imitating") as report:
         gains = {
             peer: mind.temper.eagerness
-            if isinstance(inverse, BayesianInverse)
+            if isinstance(inverse, AveragedInverse)
             else best_eagerness(body_of(config, REHEARSERS, stream=1), mind, inverse, config.seed)
             for peer, inverse in peers.items()
         }
@@ -82,18 +82,13 @@ def run(config: Config) -> Result:
     return Result(metrics, summarise(errors, metrics, learned.curve, maze), figures)
 
 
-def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, InverseModel]:
+def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, MovingInverse]:
     """Everyone who answers "what action leads there", by name."""
-    models: dict[str, InverseModel] = {
-        f"Bayesian, {rule}": BayesianInverse(mind.forward_model, rule, trust=mind.temper.trust)
+    models: dict[str, MovingInverse] = {
+        f"Bayesian, {rule}": AveragedInverse(mind.forward_model, rule, trust=mind.temper.trust)
         for rule in ("mean", "map", "matching")
     }
-    models["linear"] = LinearInverse(mind.forward_model)
-    if have_sklearn():
-        body = body_of(options, COPIES)
-        before, motors, after = flat(*experience(body, mind.pilot, options.seed, 0, BOUT_TICKS))
-        models["MLP"] = MLPInverse(mind, mind.pilot.transitions(before, motors, after), options.seed)
-    return models
+    return {**models, "linear": InverseLine(mind.forward_model), "forward line": ForwardLine(mind.forward_model)}
 
 
 def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 250) -> float:

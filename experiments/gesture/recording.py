@@ -6,6 +6,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
+from babbling.axes import FloatArray
 from experiments.gesture.found import Performed
 from experiments.shared import views
 from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, REPLAYED, SERIES
@@ -102,7 +103,7 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
     tick, last = done.body.tick_s, done.attempts[-1]
     for joint, colour in zip(done.busiest[:SHOWN], SERIES, strict=False):
         factor, name = done.factors[joint], done.body.joints[joint]
-        posterior = last.posterior[:, factor]
+        posterior = over_actions(last.candidates[:, factor], last.posterior[:, factor])
         log_bars(stream, f"belief/{name}/posterior", posterior, tick)
         log_picture(stream, f"belief/{name}/history", heat_map(posterior.T[::-1] ** 0.5, aspect=4.0))
         log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
@@ -112,10 +113,19 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
         log_series(stream, f"correction/{name}", bias, tick, name, colour)
 
 
+def over_actions(candidates: FloatArray, posterior: FloatArray, bars: int = 91) -> FloatArray:
+    """(T, bars) probability mass on even actions, the same at every tick, of (T, A) candidates and their posterior."""
+    mean = (candidates * posterior).sum(1, keepdims=True)
+    reach = 3 * float(np.sqrt((posterior * (candidates - mean) ** 2).sum(1) + mean[:, 0] ** 2).max())
+    ticks, places = len(posterior), np.clip((candidates / reach + 1) / 2 * bars, 0, bars - 1).astype(int)
+    cells = np.arange(ticks)[:, None] * bars + places
+    return np.asarray(np.bincount(cells.ravel(), posterior.ravel(), ticks * bars).reshape(ticks, bars), float)
+
+
 def _log_babbling(stream: rr.RecordingStream, done: Performed) -> None:
     mind = done.learned.mind
     log_picture(stream, "babbling/body_schema", heat_map(mind.pilot.schema.information, aspect=3.0))
-    visits = np.log1p(mind.forward_model.visits)
+    visits = np.log1p(mind.forward_model.table.visits)
     tiles = [visits[done.factors[joint]] for joint in done.busiest[:SHOWN]]
     gap = np.full((1, visits.shape[-1]), visits.max())
     coverage = np.concatenate([part for tile in tiles for part in (tile, gap)][:-1])

@@ -18,12 +18,12 @@ from experiments.shared.experiment import Result
 from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
+from experiments.shared.peers import InverseLine
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import REHEARSERS, best_eagerness
-from imitation.inference.inverse import LinearInverse
 
 MOVES = np.deg2rad(1.0)
 """A joint whose sub-goals range over more moves."""
@@ -57,7 +57,7 @@ def run(config: Config) -> Result:
     perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])
     attempts = perform(selection=config.selection, attempts=config.attempts, rng=rng)
-    line = LinearInverse(mind.forward_model)
+    line = InverseLine(mind.forward_model)
     eagerness = best_eagerness(body_of(config, REHEARSERS, stream=1), mind, line, config.seed)
     peer = perform(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
     done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
@@ -165,7 +165,7 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
             f"{metrics['babbling_body_minutes']:.1f} body-minutes + {metrics['pilot_body_minutes']:.1f} pilot",
         ),
         ("one selection, all joints", f"{metrics['select_p50_ms']:.2f} ms of {1e3 * metrics['tick']:.0f} ms"),
-        ("selections where Eq. (1) was 0/0", f"{metrics['uninformed_selections']} of {metrics['selections']}"),
+        ("selections off the table", f"{metrics['uninformed_selections']} of {metrics['selections']}"),
         ("motors whose joint babbling found", f"{metrics['body_schema_correct_share']:.0%}"),
     ]
     title = f"**{seen.movement.name}**, {metrics['frames'] * metrics['tick']:.1f} s, by {metrics['robot']}"

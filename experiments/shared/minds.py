@@ -8,12 +8,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.files import load, save
-from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
-from babbling.loop import babble, bouts, experience, flat
+from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
-from babbling.pilot import Pilot, pilot
+from babbling.pilot import Pilot, begin
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
@@ -21,7 +21,7 @@ from imitation.acting.rehearsal import REHEARSERS, rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
 
-COPIES = 64
+COPIES = 8
 BARE_TICKS = 100
 
 
@@ -69,16 +69,16 @@ class HeldOut:
 
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
         body = body_of(options, COPIES, stream=2)
-        before, motors, after = flat(*experience(body, found, options.seed + 7919, 0, 100))
-        seen = found.transitions(before, motors, after)
-        self.rate, self.action, self.outcome = seen.context[0], seen.action, seen.outcome
+        self.columns, self.outcome = found.experienced(*experience(body, found, options.seed + 7919, 0, 500))
         self.points: list[tuple[float, ...]] = []
 
-    def note(self, minutes: float, model: ForwardModel) -> None:
+    def note(self, minutes: float, model: Explanations) -> None:
         """Add a point for the forward model as it is now."""
-        table = model.expected((self.rate,), self.action)
-        line = model.linear().predict(self.rate, self.action)[..., 0]
-        errors = [np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))) for predicted in (table, line)]
+        told = model.foretold_by(self.columns)
+        average = (told * model.weights).sum(-1)
+        errors = [
+            np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))) for predicted in (average, told[..., 0])
+        ]
         self.points.append((minutes, *map(float, errors)))
 
 
@@ -103,13 +103,13 @@ def learn_mind(
     started = time.perf_counter()
     found, model, first = _resume(checkpoint, body, options, minutes, plan)
     if found is None:
-        found = pilot(body, options.seed)
+        found, model = begin(body, options.seed)
     piloted = time.perf_counter() - started
     held_out = HeldOut(options, found)
     spent = 0.0
     clock = time.perf_counter()
 
-    def after_bout(done: int, model: ForwardModel) -> None:
+    def after_bout(done: int, model: Explanations) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
         held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
@@ -138,6 +138,7 @@ def learn_mind(
         "learning_curve_body_minutes": curve.minutes,
         "learning_curve_table_deg": curve.table,
         "learning_curve_linear_deg": curve.line,
+        "explanations": dict(zip(EXPLANATIONS, model.weights.mean(0).tolist(), strict=True)),
     }
     return Learned(mind, metrics, curve)
 
@@ -179,7 +180,7 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
 
 def _resume(
     checkpoint: Path | None, body: SimulatedBody, options: BodyOptions, minutes: float, plan: tuple[int, ...]
-) -> tuple[Pilot | None, ForwardModel | None, int]:
+) -> tuple[Pilot | None, Explanations | None, int]:
     if checkpoint is None or not checkpoint.exists():
         return None, None, 0
     left = load(checkpoint, Interrupted)

@@ -18,7 +18,7 @@ from models.robots import find as find_robot
 from models.robots import head_of
 from models.teachers.demonstrations import find as find_demonstration
 
-BABBLING_MINUTES = 20.0
+BABBLING_MINUTES = 10.0
 LONGEST_MINUTES = 1e5
 MIRROR_MINUTES = 6.0
 """Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""

@@ -122,7 +122,7 @@ class AveragedInverse:
             return likelihood, self.prior(outlook, actions)
 
         about = near + COARSE * width * np.sinh(_EVEN[:, None, None] * np.arcsinh(1.5 * reach / (COARSE * width)))
-        best = sum(logs(about)).argmax(0)
+        best = np.add(*logs(about)).argmax(0)
         near = np.take_along_axis(about, best[None], 0)[0]
         bent = np.arcsinh(reach / (FINE * width))
         actions = near + FINE * width * np.sinh(_EVEN[:, None, None] * bent)

@@ -5,10 +5,10 @@ from itertools import product
 
 import numpy as np
 import pytest
+from experiments.benchmark.peers import MLPInverse
 
 from babbling.axes import UNIT, Axis
 from babbling.forward_model import ForwardModel
-from experiments.benchmark.peers import MLPInverse
 from imitation.errors import ImitationError
 from imitation.inference.bayes import action_posterior
 from imitation.inference.inverse import CATEGORIES, MEASURED, BayesianInverse, LinearInverse, Rung, Term, descend
