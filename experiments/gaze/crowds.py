@@ -14,7 +14,7 @@ from experiments.shared.judging import Sweep, constant_confidence, over_learners
 
 BEAD = 0.005
 """m, radius: beads touch where they lie 1 degree apart."""
-SPACINGS = (1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0)
+SPACINGS = (1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0)
 """Degrees, as the teacher sees it, from each bead to the nearest other one; up to a quarter more."""
 LESSONS, LESSONS_APART = 80, (10.0, 180.0)
 HEAD_SHARE = 0.689
