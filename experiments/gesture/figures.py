@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
+from babbling.explanations import EXPLANATIONS
 from experiments.gesture.found import Performed
 from experiments.shared.figures import learning_curve
 from experiments.shared.judging import LearningCurve
@@ -13,7 +14,7 @@ from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
     """File stem -> figure."""
-    made = {"imitation": imitation(done, metrics), "body_schema": body_schema(done)}
+    made = {"imitation": imitation(done, metrics), "body_schema": body_schema(done), "explanations": explanations(done)}
     if done.learned.curve is not None:
         made["learning_curve"] = babbling_curve(done.learned.curve)
     return made
@@ -73,6 +74,24 @@ def limbs(figure: SubFigure, done: Performed, parts: Sequence[str]) -> None:
     right.set_xticks(range(len(parts)), [part.replace("_", " ") for part in parts], rotation=90, fontsize=6)
 
 
+def explanations(done: Performed) -> Figure:
+    """How probable each explanation of each joint's movements has become."""
+    weights = done.learned.mind.forward_model.weights[done.factors]
+    figure = Figure(figsize=(11, 3.8), layout="constrained")
+    axis = figure.subplots()
+    below = np.zeros(len(weights))
+    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, OURS), weights.T, strict=True):
+        axis.bar(range(len(share)), share, bottom=below, color=colour, label=name)
+        below += share
+    axis.set_xticks(
+        range(len(weights)), [joint.replace("_", " ") for joint in done.body.joints], rotation=90, fontsize=7
+    )
+    axis.set_ylabel("P(explanation | babbling)")
+    axis.set_title("What explains each joint best: a line, posture, plays and dead zones, or the table beyond them")
+    axis.legend(frameon=False, ncols=4, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.08))
+    return figure
+
+
 def body_schema(done: Performed) -> Figure:
     """Mutual information of every motor line and every sense line."""
     information = done.learned.mind.pilot.schema.information
@@ -92,7 +111,7 @@ def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = Non
     """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
     return learning_curve(
         curve.minutes,
-        {"forward model (table)": curve.table, "least-squares line, same experience": curve.line},
+        {"average of explanations": curve.table, "least-squares line, same experience": curve.line},
         ("babbling [body-minutes]", "error of predicted posture, one tick ahead [deg]"),
         "Learning curve on held-out babbling",
         None if floor is None else (f"table after {floor[0]:.0f} body-minutes", floor[1]),

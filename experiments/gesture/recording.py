@@ -23,6 +23,8 @@ from models.shapes import parts
 
 SHOWN = 3
 """Joints that move most, whose beliefs are shown."""
+REACH = 6.0
+"""Standard deviations to either side of the chosen action."""
 
 
 def record(path: Path, done: Performed, summary: str) -> None:
@@ -44,7 +46,7 @@ def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
         angles.reverse()
     angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
     beliefs = [
-        rrb.BarChartView(name=f"P(action) {joints[0]}", origin=f"/belief/{joints[0]}/posterior"),
+        rrb.BarChartView(name=f"P(action), {joints[0]}, about the chosen", origin=f"/belief/{joints[0]}/posterior"),
         rrb.TimeSeriesView(name="felt bias [deg]", origin="/correction"),
     ]
     more = rrb.Tabs(
@@ -52,6 +54,7 @@ def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
         rrb.TimeSeriesView(name="entropy [bit]", contents=["/belief/*/entropy"]),
         rrb.TimeSeriesView(name="evidence [log10]", contents=["/belief/*/evidence"]),
         rrb.Spatial2DView(name="body schema", origin="/babbling/body_schema"),
+        rrb.Spatial2DView(name="explanations", origin="/babbling/explanations"),
         rrb.Spatial2DView(name="table coverage", origin="/babbling/coverage"),
         active_tab=0,
     )
@@ -103,7 +106,7 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
     tick, last = done.body.tick_s, done.attempts[-1]
     for joint, colour in zip(done.busiest[:SHOWN], SERIES, strict=False):
         factor, name = done.factors[joint], done.body.joints[joint]
-        posterior = over_actions(last.candidates[:, factor], last.posterior[:, factor])
+        posterior = about_the_chosen(last.candidates[:, factor], last.posterior[:, factor])
         log_bars(stream, f"belief/{name}/posterior", posterior, tick)
         log_picture(stream, f"belief/{name}/history", heat_map(posterior.T[::-1] ** 0.5, aspect=4.0))
         log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
@@ -113,18 +116,21 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
         log_series(stream, f"correction/{name}", bias, tick, name, colour)
 
 
-def over_actions(candidates: FloatArray, posterior: FloatArray, bars: int = 91) -> FloatArray:
-    """(T, bars) probability mass on even actions, the same at every tick, of (T, A) candidates and their posterior."""
-    mean = (candidates * posterior).sum(1, keepdims=True)
-    reach = 3 * float(np.sqrt((posterior * (candidates - mean) ** 2).sum(1) + mean[:, 0] ** 2).max())
-    ticks, places = len(posterior), np.clip((candidates / reach + 1) / 2 * bars, 0, bars - 1).astype(int)
-    cells = np.arange(ticks)[:, None] * bars + places
-    return np.asarray(np.bincount(cells.ravel(), posterior.ravel(), ticks * bars).reshape(ticks, bars), float)
+def about_the_chosen(candidates: FloatArray, posterior: FloatArray, bars: int = 91) -> FloatArray:
+    """(T, bars) probability mass of (T, A) candidates by how far they lie from the posterior's mean, the same scale at
+    every tick: one hump where a joint moves, two where it may stick or slip.
+    """
+    away = candidates - (candidates * posterior).sum(1, keepdims=True)
+    reach = REACH * float(np.median(np.sqrt((posterior * away**2).sum(1))))
+    density, places = posterior / np.gradient(away, axis=1), np.linspace(-reach, reach, bars)
+    mass = np.stack([np.interp(places, *tick, left=0, right=0) for tick in zip(away, density, strict=True)])
+    return np.asarray(mass / np.maximum(mass.sum(1, keepdims=True), 1e-300))
 
 
 def _log_babbling(stream: rr.RecordingStream, done: Performed) -> None:
     mind = done.learned.mind
     log_picture(stream, "babbling/body_schema", heat_map(mind.pilot.schema.information, aspect=3.0))
+    log_picture(stream, "babbling/explanations", heat_map(mind.forward_model.weights[done.factors], aspect=0.5))
     visits = np.log1p(mind.forward_model.table.visits)
     tiles = [visits[done.factors[joint]] for joint in done.busiest[:SHOWN]]
     gap = np.full((1, visits.shape[-1]), visits.max())

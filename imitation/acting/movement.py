@@ -58,7 +58,7 @@ def slowed(frames: FloatArray, factor: float) -> FloatArray:
 
 
 def approach(start: FloatArray, goals: FloatArray, tick_s: float, low: FloatArray, high: FloatArray) -> FloatArray:
-    """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, F) or (T, ..., F), arriving at its pace.
+    """(N, ..., F) ways from rest at each `start` (..., F) into the first of `goals` (T, ..., F), arriving at its pace.
 
     Law: quintics with given position, velocity and acceleration at both ends (the minimum-jerk paths between moving
     states, Flash and Hogan 1985): from rest to a run-up point, and from rest there into the movement. The run-up is
