@@ -99,7 +99,6 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     replace(experiments.shared.minds, "BARE_TICKS", 10)
     replace(babbling.loop.bouts, "__defaults__", (150,))
     replace(imitation.acting.movement, "APPROACH_S", 1.0)
-    replace(imitation.acting.rehearsal, "MOVEMENTS", 1)
     replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))
     save = Figure.savefig
     replace(Figure, "savefig", lambda figure, path, **_: save(figure, path, dpi=20))

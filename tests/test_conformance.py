@@ -19,8 +19,8 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
+import babbling.frame
 import babbling.looking
-import babbling.pilot
 from babbling.axes import Axis
 from babbling.body import Body
 from babbling.body_image import BodyImage, learn_image
@@ -335,7 +335,7 @@ def kept(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
     paths = {name: tmp_path_factory.mktemp("kinds") / f"{name}.nc" for name in FILES}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(babbling.looking, "GRID", (3, 3, 3, 5, 7))  # small files are tried sooner
-        patch.setattr(babbling.pilot, "GRID", (3, 9, 9))
+        patch.setattr(babbling.frame, "GRID", (3, 9, 9))
         mind = learn(load_body(arm, copies=8), minutes=0.5, seed=0)
         for name, path in paths.items():
             save(FILES[name](mind), path)

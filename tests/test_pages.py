@@ -21,7 +21,7 @@ from experiments.registry import EXPERIMENTS, Entry
 from imitation.acting.follow import Follower, follow  # noqa: F401  (what the pages name)
 from imitation.acting.loop import Imitator  # noqa: F401
 from imitation.acting.movement import Movement
-from imitation.inference.inverse import BayesianInverse  # noqa: F401
+from imitation.inference.moving import AveragedInverse  # noqa: F401
 from models.loading import load_body
 from models.robots import Robot
 from models.shapes import parts

@@ -24,12 +24,12 @@ def file(arm_mind: Mind, tmp_path: Path) -> Path:
 
 
 def test_people_can_read_it(file: Path, arm_mind: Mind) -> None:
-    model = arm_mind.forward_model
+    model = arm_mind.forward_model.table
     with xr.open_dataset(file, engine="h5netcdf") as data:
         assert data["motor_name"].values.tolist() == ["shoulder", "elbow", "wrist"]
         assert data.attrs["robot"] == "arm"
-        visits, probability = data["forward_model_counts"], data["forward_model_probability"]
-        assert visits.dims == probability.dims == ("motor", "rate", "action", "outcome")
+        visits, probability = data["forward_model_table_counts"], data["forward_model_table_probability"]
+        assert visits.dims == probability.dims == ("motor", "rate", "effort", "departure")
         np.testing.assert_array_equal(visits.values, model.counts / model.unit)
         np.testing.assert_allclose(probability.values, model.predictive, rtol=1e-6, atol=5.1e-7)
         for axis in model.axes:
@@ -66,10 +66,10 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
         (attribute("version", np.arange(9)), "written in version None"),
         (attribute("version", VERSION - 1), "written by an earlier version of this program; make one with `imitate b"),
         (attribute("format", "something else"), "not a file of kind 'imitation-laboratory mind'"),
-        (fill("forward_model_counts", -1), "forward_model_counts holds -1; 0 to"),
-        (fill("forward_model_counts", 1), "do not tell of the same experience"),
-        (fill("forward_model_moments", 0), "do not tell of the same experience"),
-        (fill("forward_model_prior_strength", np.nan), r"forward_model_prior_strength holds nan; 0 to 1e\+06"),
+        (fill("forward_model_table_counts", -1), "forward_model_table_counts holds -1; 0 to"),
+        (fill("forward_model_table_counts", 1), "do not tell of the same experience"),
+        (fill("forward_model_table_moments", 0), "do not tell of the same experience"),
+        (fill("forward_model_table_prior_strength", np.nan), "prior_strength holds nan; 0 to"),
         (fill("pilot_schema_posture", 99), "pilot_schema_posture holds 99; sense has 0 to 5"),
         (fill("pilot_schema_slope", 0.0), "pilot_schema_slope holds 0; .* other than 0 is possible"),
         (fill("pilot_motors_rest", np.nan), "pilot_motors_rest holds nan"),
@@ -86,7 +86,7 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
         (instead("pilot_motors_rest", np.zeros(3, "f4")), "pilot_motors_rest is missing, or not of type float64"),
         (instead("pilot_motors_rest", h5py.SoftLink("/temper_trust")), "pilot_motors_rest is missing"),
         (instead("pilot_motors_rest", h5py.ExternalLink("/dev/zero", "/x")), "pilot_motors_rest is missing"),
-        (instead("forward_model_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),
+        (instead("forward_model_table_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),
         (instead("fingerprint", np.array([b"\x1b", b"[", b"A"])), "fingerprint is not made of distinct words"),
     ],
 )
@@ -124,7 +124,7 @@ def test_huge_files_are_refused_before_they_are_read(file: Path, tmp_path: Path)
     assert (10 << 30) > LARGEST_BYTES
     with pytest.raises(BabblingError, match=r"10737418240 bytes; more than \d+ are not read"):
         load(tmp_path / "huge.nc", Mind)
-    name = "forward_model_counts"
+    name = "forward_model_table_counts"
     with h5py.File(file, "r+") as f:  # small on disk, 80 GB once unpacked; only what is asked for counts
         shape = (100, 1000, 100, 1000)
         f.create_dataset("zeros", shape, np.int64, chunks=(1, 1, 100, 1000), compression="gzip")
@@ -164,7 +164,7 @@ def test_a_place_that_cannot_be_written_keeps_nothing_half_done(arm_mind: Mind, 
 
 
 def test_forward_models_of_another_pilot_are_refused(arm_mind: Mind) -> None:
-    model = arm_mind.pilot.forward_model()
-    model.contexts = ()
-    with pytest.raises(BabblingError, match="other axes than its pilot found"):
+    model, frame = arm_mind.pilot.forward_model(), arm_mind.pilot.frame
+    model.frame = replace(frame, line=frame.line + 1)
+    with pytest.raises(BabblingError, match="another frame than its pilot found"):
         replace(arm_mind, forward_model=model)

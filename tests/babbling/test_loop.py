@@ -10,6 +10,8 @@ from babbling.loop import babble, bouts, experience, explore, flat
 from babbling.mind import Mind, learn
 from models.loading import load_body
 
+FORETOLD = ("evidence", "squares", "foretold")
+
 
 @pytest.mark.parametrize("minutes", [0.0, -1.0, np.nan, np.inf, 1e-6])
 def test_impossible_times(arm, minutes):
@@ -29,23 +31,24 @@ def test_bouts_in_any_order_on_any_body_and_resumed_are_the_same(arm, arm_mind):
     whole = babble(body, arm_mind.pilot, plan, 3)
     first = babble(body, arm_mind.pilot, plan[:1], 3)
     resumed = babble(other, arm_mind.pilot, plan, 3, onto=first, first=1)
-    shards = arm_mind.pilot.forward_model()
+    shards, parts = arm_mind.pilot.forward_model(), []
     for bout in (2, 0, 1):
         shard = arm_mind.pilot.forward_model()
-        lived = flat(*experience(other, arm_mind.pilot, 3, bout, plan[bout]))
-        shard.observe(*arm_mind.pilot.transitions(*lived))
+        arm_mind.pilot.learn(shard, *experience(other, arm_mind.pilot, 3, bout, plan[bout]))
         shards.merge(shard)
-    for model in (resumed, shards):
-        assert (model.counts == whole.counts).all()
-        assert (model.moments.sums == whole.moments.sums).all()
-        assert (model.predictive == whole.predictive).all()
+        parts.append(shard)
+    for model in (resumed, shards):  # what was counted
+        assert (model.table.counts == whole.table.counts).all()
+        assert (model.table.predictive == whole.table.predictive).all()
+        assert (model.moments == whole.moments).all() and (model.lines == whole.lines).all()
+    for name in FORETOLD:  # what was foretold depends on what was known by then, and adds
+        assert (getattr(resumed, name) == getattr(whole, name)).all()
+        np.testing.assert_allclose(getattr(shards, name), sum(getattr(part, name) for part in parts), rtol=1e-12)
 
 
-def test_a_table_is_the_same_at_one_and_two_threads(arm):
+def test_a_mind_is_the_same_at_one_and_two_threads(arm):
     minds = [learn(load_body(arm, copies=8, threads=threads), minutes=0.5, seed=4) for threads in (1, 2)]
-    assert (minds[0].forward_model.counts == minds[1].forward_model.counts).all()
-    assert (minds[0].forward_model.predictive == minds[1].forward_model.predictive).all()
-    assert minds[0].pilot.outcome.high.tobytes() == minds[1].pilot.outcome.high.tobytes()
+    assert_same_mind(*minds)
 
 
 def test_other_seeds_live_other_lives(arm, arm_mind):
@@ -90,9 +93,14 @@ def test_a_mind_survives_its_file_to_the_last_bit(arm_mind, tmp_path):
 
 
 def assert_same_mind(one: Mind, other: Mind) -> None:
-    assert (one.forward_model.predictive == other.forward_model.predictive).all()
-    assert (one.forward_model.moments.sums == other.forward_model.moments.sums).all()
-    assert (one.forward_model.outside == other.forward_model.outside).all()
+    mine, theirs = one.forward_model, other.forward_model
+    assert (mine.table.predictive == theirs.table.predictive).all() and (mine.outside == theirs.outside).all()
+    assert (mine.table.moments.sums == theirs.table.moments.sums).all()
+    for name in ("moments", "lines", "weights", "spread", "slope", *FORETOLD):
+        assert getattr(mine, name).tobytes() == getattr(theirs, name).tobytes(), name
+    assert mine.frame.same(theirs.frame) and mine.frame.reach.tobytes() == theirs.frame.reach.tobytes()
+    for name, value in vars(mine.features).items():
+        assert value.tobytes() == getattr(theirs.features, name).tobytes(), name
     for name, value in one.pilot.dynamics._asdict().items():
         assert (value == getattr(other.pilot.dynamics, name)).all(), name
     for part in ("schema", "motors"):

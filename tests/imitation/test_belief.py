@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from babbling.axes import FloatArray
 from babbling.dynamics import LinearDynamics
 from babbling.schema import BodySchema
 from imitation.acting.belief import Belief, StateEstimate
@@ -102,13 +101,11 @@ def test_an_expectation_on_the_line_changes_nothing_and_off_it_moves_the_predict
     belief = Belief(0.1 * rng.standard_normal((2, 1, 3)), np.eye(3)[None])
     command = np.array([[0.3], [-0.2]])
 
-    def on_it(context: tuple[FloatArray, ...], action: FloatArray) -> FloatArray:
-        return line.offset[:, 0] + line.control[:, 0] * action
-
-    plain = StateEstimate(schema(0.1, 1.0), line).predict(belief, command)
-    same = StateEstimate(schema(0.1, 1.0), line, on_it).predict(belief, command)
+    on_it = line.offset[:, 0] + line.control[:, 0] * (command - belief.mean[..., 0])
+    estimate = StateEstimate(schema(0.1, 1.0), line)
+    plain, same = estimate.predict(belief, command), estimate.predict(belief, command, on_it)
     np.testing.assert_allclose(same.mean, plain.mean, atol=1e-12)
-    moved = StateEstimate(schema(0.1, 1.0), line, lambda v, a: on_it(v, a) + 0.05).predict(belief, command)
+    moved = estimate.predict(belief, command, on_it + 0.05)
     np.testing.assert_allclose(moved.mean[..., 0] - plain.mean[..., 0], 0.05)
     np.testing.assert_allclose(moved.mean[..., 1] - plain.mean[..., 1], 0.05 * line.transition[0, 1, 2])
     np.testing.assert_array_equal(moved.covariance, plain.covariance)

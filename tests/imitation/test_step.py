@@ -6,21 +6,25 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from babbling.axes import Axis
+from babbling.forward_model import ForwardModel
 from imitation.acting.belief import StateEstimate
 from imitation.acting.loop import Attempt, Imitator, imitate
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement
 from imitation.errors import ImitationError
-from imitation.inference.inverse import Choice, LinearInverse, Term, single
+from imitation.inference.inverse import Term
+from imitation.inference.moving import AveragedInverse, Decided, Here
 from models.loading import load_body
 from models.motion import read_motion
 
 LEAD = round(APPROACH_S / 0.02) + round(RUN_UP_S / 0.02)
-ARRAYS = ("senses", "truth", "believed", "wanted", "commands", "posterior", "evidence", "entropy", "familiarity")
+FEW = ("posterior", "candidates", "familiarity")
+ARRAYS = ("senses", "truth", "believed", "wanted", "commands", "evidence", "entropy", *FEW)
 
 
 class Asked(NamedTuple):
-    context: np.ndarray
-    outcome: np.ndarray
+    here: Here
+    wanted: np.ndarray
     action: np.ndarray
 
 
@@ -30,14 +34,12 @@ class Obeyed:
     def __init__(self) -> None:
         self.asked: list[Asked] = []
 
-    def choose(self, terms, rng):
-        term = single(terms)
-        context, outcome = *term.context, term.outcome
-        self.asked.append(Asked(context, outcome, rng.uniform(-0.1, 0.1, outcome.shape)))
-        return Choice(self.asked[-1].action, None, np.zeros(outcome.shape, np.int8))
+    def choose(self, here, wanted, terms, rng):
+        self.asked.append(Asked(here, wanted, rng.uniform(-0.1, 0.1, wanted.shape)))
+        return Decided.bare(self.asked[-1].action)
 
-    def expect(self, context, action):
-        return self.asked[-1].outcome
+    def expect(self, here, command):
+        return self.asked[-1].wanted
 
 
 @pytest.fixture(scope="module")
@@ -73,16 +75,16 @@ def driven(mind, movement, eagerness, copies=2, aim=0.0):
 def test_no_posture_beyond_the_range_is_asked_for_and_the_belief_is_told_what_was_sent(arm, arm_mind, movement):
     """Wishes far beyond every stop: what the motors get is what the belief goes on with."""
     pilot, eager = arm_mind.pilot, Obeyed()
-    eager.choose = lambda terms, rng: Choice(np.array([[9.0, -9.0, 0.0]]), None, np.zeros((1, 3), np.int8))
-    eager.expect = None
+    eager.choose = lambda here, wanted, terms, rng: Decided.bare(np.array([[9.0, -9.0, 0.0]]))
+    eager.expect = lambda here, command: command - here.posture
     imitator = Imitator(arm_mind, movement, inverse=eager)
-    imitator.estimate = StateEstimate(pilot.schema, pilot.dynamics)
     body = load_body(arm)
     low, high = body.sense_low[pilot.schema.posture], body.sense_high[pilot.schema.posture]
     state, motors, info = imitator.step(imitator.start(felt := body.reset()), felt, np.random.default_rng(0))
     np.testing.assert_allclose(pilot.schema.efference(motors), info.commands, atol=1e-12)
     np.testing.assert_array_equal(info.commands[0, :2], [high[0], low[1]])
-    told = imitator.estimate.predict(imitator.start(felt).belief, info.commands)
+    before = imitator.start(felt).belief
+    told = imitator.estimate.predict(before, info.commands, info.commands - before.mean[..., 0])
     np.testing.assert_array_equal(state.belief.mean, told.mean)
     fast = Movement("fast", 0.02, body.sensations(body.joint_range[:, 1] - 4 * 0.02 * np.arange(5.0)[:, None]))
     way = Imitator(arm_mind, fast).start(felt).targets[:LEAD]
@@ -107,7 +109,7 @@ def test_steps_by_hand_are_what_the_loop_does(arm, arm_mind, movement, copies):
     assert once.ended is None and once.ended_tick == len(once.senses) == 100
     for t, (senses, angles, info) in enumerate(seen[LEAD:]):
         by_hand = dict(vars(info), senses=senses, truth=angles)
-        by_hand |= {"posterior": info.posterior[0].astype(np.float32), "familiarity": info.familiarity[0]}
+        by_hand |= {name: getattr(info, name)[0].astype(np.float32) for name in FEW}
         for name in (*ARRAYS, "uninformed"):
             assert getattr(once, name)[t].tobytes() == by_hand[name].tobytes(), (name, t)
 
@@ -117,10 +119,10 @@ def test_a_step_can_be_taken_again_and_does_not_change_the_state(arm_mind, movem
     senses = feeling(arm_mind.pilot.schema, 2, 0)
     first, second = next(senses), next(senses)
     state = imitator.step(imitator.start(first), first, np.random.default_rng(0))[0]
-    before = [part.copy() for part in (*state.belief, state.targets)]
+    before = [part.copy() for part in (*state.belief, *state.echo, state.targets)]
     once, again = (imitator.step(state, second, np.random.default_rng(1)) for _ in range(2))
     assert once[1].tobytes() == again[1].tobytes() and once[2].believed.tobytes() == again[2].believed.tobytes()
-    assert all((a == b).all() for a, b in zip(before, (*state.belief, state.targets), strict=True))
+    assert all((a == b).all() for a, b in zip(before, (*state.belief, *state.echo, state.targets), strict=True))
     with pytest.raises(ValueError, match="read-only"):
         state.targets[0] = 0
 
@@ -143,10 +145,13 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
     for asked, state, info in zip(inverse.asked, states, infos, strict=False):
         target, (posture, rate, _) = state.targets[state.tick], info.believed.T
         pace = np.gradient(state.targets, 0.02, axis=0)[state.tick]
-        np.testing.assert_allclose(asked.context, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
-        told = (1 - eagerness) * target + eagerness * posture.T + asked.action
-        np.testing.assert_allclose(info.commands, told.clip(arm_mind.pilot.low, arm_mind.pilot.high), atol=1e-12)
-        signs |= set(np.sign(asked.context).ravel())
+        where = (1 - eagerness) * target + eagerness * posture.T
+        np.testing.assert_allclose(asked.here.posture, where, atol=1e-12)
+        np.testing.assert_allclose(asked.here.rate, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
+        np.testing.assert_allclose(asked.here.pace, pace, atol=1e-12)
+        told = (where + asked.action).clip(arm_mind.pilot.low, arm_mind.pilot.high)
+        np.testing.assert_allclose(info.commands, told, atol=1e-12)
+        signs |= set(np.sign(asked.here.rate).ravel())
     assert {-1.0, 1.0} <= signs
 
 
@@ -154,8 +159,8 @@ def test_the_mirror_image_is_asked_for_the_mirror_image(arm_mind, movement):
     """Negate what is felt and what was seen: every question is negated (nothing in the loop is blind to a sign)."""
     turned = Movement("turned", movement.tick_s, -movement.senses)
     pilot = replace(arm_mind.pilot, low=np.full(3, -9.0), high=np.full(3, 9.0))  # its own stops have no mirror image
-    mind, line = replace(arm_mind, pilot=pilot), LinearInverse(arm_mind.forward_model)
-    imitators = [Imitator(mind, m, inverse=line) for m in (movement, turned)]
+    mind = replace(arm_mind, pilot=pilot)
+    imitators = [Imitator(mind, m) for m in (movement, turned)]
     senses = feeling(arm_mind.pilot.schema, 1, 3)
     first, second = next(senses), next(senses)
     wanted = []
@@ -171,36 +176,50 @@ def test_the_mirror_image_is_asked_for_the_mirror_image(arm_mind, movement):
 def test_what_is_believed_is_the_filter_over_everything_felt_so_far(arm_mind, movement):
     inverse, _, infos, felt = driven(arm_mind, movement, eagerness=0.5)
     schema = arm_mind.pilot.schema
-    estimate, asked = StateEstimate(schema, arm_mind.pilot.dynamics, inverse.expect), inverse.asked.copy()
+    estimate = StateEstimate(schema, arm_mind.pilot.dynamics)
     belief = estimate.start(felt[0][:, schema.posture], felt[0][:, schema.rate])
     for t, info in enumerate(infos):
         if t:
             belief = estimate.correct(belief, felt[t][:, schema.posture], felt[t][:, schema.rate])
         np.testing.assert_allclose(info.believed, belief.mean, atol=1e-12)
-        inverse.asked = asked[: t + 1]
-        belief = estimate.predict(belief, info.commands)
+        belief = estimate.predict(belief, info.commands, inverse.asked[t].wanted)
 
 
-def test_further_terms_are_multiplied_in_and_told_what_is_felt_and_believed(arm_mind, movement):
-    """Stay where you are, says a second term, twice as loud; the table is one's own."""
-    model, told = arm_mind.forward_model, []
+def test_what_earlier_commands_left_is_the_plays_of_all_commands_so_far(arm_mind, movement):
+    inverse, _, infos, felt = driven(arm_mind, movement, eagerness=0.5)
+    features = arm_mind.pilot.frame.features
+    echo = features.start(felt[0][:, arm_mind.pilot.schema.posture])
+    for asked, info in zip(inverse.asked, infos, strict=True):
+        for mine, told in zip(asked.here.echo, echo, strict=True):
+            np.testing.assert_array_equal(mine, told)
+        echo = features.after(echo, info.commands)
 
-    def stay(senses, believed):
+
+def test_further_terms_are_handed_on_and_told_what_is_felt_and_believed(arm_mind, movement):
+    """Pull with this much, says a second term, twice as loud."""
+    axes = [Axis(name, "rad", np.full(3, -1.0), np.ones(3), 21) for name in ("action", "pull")]
+    model, told = ForwardModel((), *axes, factors=("0", "1", "2"), prior_strength=1.0), []
+    pull = np.random.default_rng(2).uniform(-1, 1, (200, 3))
+    model.observe((), pull, pull)
+
+    def hold(senses, believed):
         told.append((senses, believed))
-        return [Term(model, (believed[..., 1],), 0.0 * believed[..., 0], 2.0)]
+        return [Term(model, (), believed[..., 1], 2.0)]
 
-    one, both = (Imitator(arm_mind, movement, eagerness=1.0, **how) for how in ({}, {"terms": stay}))
+    inverse = AveragedInverse(arm_mind.forward_model)
+    asked = []
+    choose = inverse.choose
+    inverse.choose = lambda *what: asked.append(what) or choose(*what)
+    imitator = Imitator(arm_mind, movement, inverse=inverse, terms=hold)
+    alone = Imitator(arm_mind, movement, inverse=AveragedInverse(arm_mind.forward_model))
     senses, rng = next(feeling(arm_mind.pilot.schema, 2, 0)), np.random.default_rng(0)
-    start = one.start(senses)
-    near = start.belief.mean + np.random.default_rng(1).normal(0, 0.003, (2, 3, 3))
-    start = start._replace(belief=start.belief._replace(mean=near))
-    alone, also = (imitator.step(start, senses, rng)[2] for imitator in (one, both))
-    (felt, believed), rate = told[0], start.belief.mean[..., 1]
-    assert felt is senses and believed is also.believed and alone.wanted.tobytes() == also.wanted.tobytes()
-    quiet = model.likelihood((rate,), 0 * rate)
-    expected = alone.posterior * quiet**2
-    np.testing.assert_allclose(also.posterior, expected / expected.sum(-1, keepdims=True), atol=1e-9)
-    assert np.abs(also.posterior - alone.posterior).max() > 0.01
+    start = imitator.start(senses)
+    also, without = imitator.step(start, senses, rng)[2], alone.step(start, senses, rng)[2]
+    (felt, believed), [(_, wanted, [term], _)] = told[0], asked
+    assert felt is senses and believed is also.believed and wanted is also.wanted
+    assert term.outcome.tobytes() == start.belief.mean[..., 1].tobytes() and term.weight == 2.0
+    assert also.wanted.tobytes() == without.wanted.tobytes()
+    assert np.abs(also.commands - without.commands).max() > 0.01
 
 
 def test_copies_do_not_know_of_each_other(arm_mind, movement):
