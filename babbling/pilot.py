@@ -48,6 +48,11 @@ class Pilot:
     fingerprint: str
     """Of its body."""
 
+    @property
+    def counted_minutes(self) -> float:
+        """Body time of it that `begin`'s forward model learned from."""
+        return self.minutes * PILOT_S / (SETTLE_S + REST_S + WIRING_S + PILOT_S)
+
     def experienced(self, motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(N, F, COLUMNS) features and (N, F) outcomes of a run from rest, in the order in which they happened.
 

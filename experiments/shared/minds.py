@@ -169,7 +169,7 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
         mind,
         {
             "babbling_transitions": model.transitions,
-            "babbling_body_minutes": per_factor * body_of(options, 1).tick_s / 60,
+            "babbling_body_minutes": per_factor * body_of(options, 1).tick_s / 60 - mind.pilot.counted_minutes,
             "pilot_body_minutes": mind.pilot.minutes,
             "babbling_wall_s": 0.0,
             "babbling_efficiency_factor": None,  # nobody babbled

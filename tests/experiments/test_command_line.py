@@ -33,7 +33,7 @@ def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
 
         with monkeypatch.context() as patch:
             if before:
-                patch.setattr(minds, "pilot", never)
+                patch.setattr(minds, "begin", never)
                 patch.setattr(minds, "babble", never)
             status = main([str(word) for word in words])
         out, err = capfd.readouterr()
