@@ -11,7 +11,7 @@ class Config(MirrorOptions):
     """Options of `imitate correspondence`."""
 
     demonstrations: Annotated[tuple[Demonstration, ...], some] = tuple(DEMONSTRATIONS)
-    """Teachers to imitate: built-in demonstrations and .amc files."""
+    """Teachers to imitate: built-in demonstrations and .amc or .bvh files."""
     shown: str = "icub-reach"
     """Which of them the recording shows; the first one if it is not among them."""
     seeing_noise_deg: Annotated[float, within(0, 30, "degrees")] = 3.0

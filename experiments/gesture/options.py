@@ -20,7 +20,7 @@ class Config(BodyOptions, MirrorOptions):
     """Options of `imitate gesture`."""
 
     demonstration: Demonstration = "icub-wave"
-    """A built-in demonstration's name, or a file: .amc (CMU motion capture), .csv or .npz (joint angles), or .urdf (a
+    """A built-in demonstration's name, or a file: .amc, .bvh (motion capture), .csv or .npz (joint angles), or .urdf (a
     robot that performs --motion)."""
     motion: ToRead | None = None
     """Joint angles (.csv, .npz) that a .urdf teacher performs."""

@@ -180,5 +180,5 @@ def find(name_or_path: str | os.PathLike[str]) -> Demonstration | None:
     """
     name, path = str(name_or_path), Path(name_or_path)
     if name not in DEMONSTRATIONS and not (path.suffix or len(path.parts) > 1 or path.exists()):
-        raise TeacherError(unknown("demonstration", name, DEMONSTRATIONS) + ", or the path of an .amc file")
+        raise TeacherError(unknown("demonstration", name, DEMONSTRATIONS) + ", or the path of an .amc or .bvh file")
     return DEMONSTRATIONS.get(name)

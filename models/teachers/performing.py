@@ -11,22 +11,27 @@ from models.files import checked
 from models.motion.trajectory import JointTrajectory
 from models.teachers import robots
 from models.teachers.anatomy import perform as show
+from models.teachers.bvh import perform_bvh
 from models.teachers.cmu import perform_amc
 from models.teachers.demonstrations import DEMONSTRATIONS, find
 from models.teachers.performance import Performance, TeacherError
 
 RATE_HZ = 50.0
+CAPTURES = {".amc": perform_amc, ".bvh": perform_bvh}
+"""Motion capture -> what is seen of it."""
 
 
 def perform(name_or_path: str | os.PathLike[str]) -> Performance:
-    """What is seen of a teacher: the name of a built-in demonstration, or the path of an `.amc` file."""
+    """What is seen of a teacher: the name of a built-in demonstration, or the path of an `.amc` or `.bvh` file."""
     if find(name_or_path) is not None:
         return perform_builtin(str(name_or_path))
     path = Path(name_or_path)
-    if path.suffix.lower() == ".amc":
-        return perform_amc(path)
+    if path.suffix.lower() in CAPTURES:
+        return CAPTURES[path.suffix.lower()](path)
     checked(path)
-    raise TeacherError(f"{path}: only .amc files show a teacher; joint trajectories are read by models.motion")
+    raise TeacherError(
+        f"{path}: only {' and '.join(CAPTURES)} files show a teacher; joint trajectories are read by models.motion"
+    )
 
 
 def perform_builtin(name: str) -> Performance:
