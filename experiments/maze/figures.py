@@ -161,76 +161,29 @@ def learning_curve(curve: Convergence) -> Figure:
     return figure
 
 
-METHOD_STYLE = {
-    "imitation": ("#1b6ca8", "o"),
-    "imitation, going on as shown": ("#1b6ca8", "x"),
-    "copying": ("#5c5c5c", "P"),
-    "cloning, 10 demonstrations": ("#8d6a3f", "X"),
-    "value iteration, walls known": ("#66a182", "s"),
-    "value iteration, replanning": ("#7b5ea7", "D"),
-    "value iteration that watched": ("#00798c", "<"),
-    "Q-learning from demonstrations": ("#b56576", ">"),
-    "Q-learning": ("#d1495b", "v"),
-}
+Rates = Mapping[str, Mapping[str, Mapping[str, Any]]]
+"""Panel -> method -> a curve of metrics.json: where, the share there and perhaps its 95 % intervals, in this order."""
 
 
-def trials_figure(curves: Mapping[str, Mapping[int, Mapping[int, float]]], reliable: float) -> Figure:
-    """Share of runs that arrive within three times the least expected steps, by own steps; one panel per goal."""
-    panels: dict[str, dict[str, tuple[list[int], list[float], None]]] = {
-        f"Goal {goal}": {method: ([*lines[goal]], [*lines[goal].values()], None) for method, lines in curves.items()}
-        for goal in sorted(next(iter(curves.values())))
-    }
-    figure = _shares(panels, "own steps in the maze")
-    for axes, lines in zip(figure.axes, panels.values(), strict=True):
-        axes.axhline(reliable, color="black", lw=0.9, ls="--")
-        for method, (steps, share, _) in lines.items():
-            enough = np.flatnonzero(np.array(share) >= reliable)
-            if enough.size:
-                axes.axvline(steps[enough[0]], color=METHOD_STYLE[method][0], lw=0.9, ls=":", ymax=0.955)
-    return figure
-
-
-def changes_figure(found: Mapping[str, Any]) -> Figure:
-    """The same where the maze is as shown, a wall has moved, or the goal is new; bars are exact 95 % intervals."""
-    panels = {
-        world.capitalize(): {m: (one["own_steps"], one["share"], one["interval"]) for m, one in methods.items()}
-        for world, methods in found.items() if methods
-    }  # fmt: skip
-    return _shares(panels, "own steps in the maze as it is now")
-
-
-def intent_figure(found: Mapping[str, Any]) -> Figure:
-    """Share of unseen walks whose goal is named rightly, by the share of the walk that was seen; 95 % bands."""
-    figure = Figure(figsize=(7.4, 4.8), layout="constrained")
-    axes = figure.subplots()
-    for (rule, one), colour in zip(found.items(), GOAL_COLOURS, strict=False):
-        ours = rule.startswith("filter")
-        axes.plot(one["share"], one["accuracy"], "o-" if ours else "s--", color=colour, ms=4.5, lw=1.6, label=rule)
-        axes.fill_between(one["share"], *np.transpose(one["interval"]), color=colour, alpha=0.15, lw=0)
-    axes.set(xlabel="share of the walk seen", ylabel="goal named rightly", xlim=(0.08, 1.02), ylim=(0, 1.03))
-    axes.grid(alpha=0.25)
-    axes.legend(frameon=False, fontsize=9, loc="lower right")
-    return figure
-
-
-def _shares(panels: Mapping[str, Mapping[str, tuple[Any, Any, Any]]], below: str) -> Figure:
-    """Steps, shares and intervals (or None) by method, one panel each, on a logarithmic axis that begins at none."""
-    figure = Figure(figsize=(4.4 * len(panels) + 0.6, 5.0), layout="constrained")
+def rates(panels: Rates, labels: tuple[str, str], level: float | None = None, *, log: bool = True) -> Figure:
+    """How often it went well, panels side by side; a logarithmic axis begins at none."""
+    figure = Figure(figsize=(4.4 * max(len(panels), 2) + 0.6, 5.0), layout="constrained")
     row = figure.subplots(1, len(panels), sharey=True, sharex=True, squeeze=False)[0]
-    drawn = {}
+    style, drawn = dict[str, str](), {}
     for axes, (title, lines) in zip(row, panels.items(), strict=True):
-        for method, (steps, share, interval) in lines.items():
-            colour, marker = METHOD_STYLE[method]
+        for method, curve in lines.items():
+            steps, share, interval = (*curve.values(), None)[:3]
+            style.setdefault(method, f"C{len(style)}{'osD^v<>PX'[len(style) % 9]}{'-' if len(steps) > 1 else ''}")
             spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
-            line = "none" if len(steps) == 1 else "-"
-            drawn[method] = axes.errorbar(
-                steps, share, spread, color=colour, marker=marker, ls=line, ms=4.5, lw=1.6, elinewidth=1,
-            )  # fmt: skip
-        axes.set_xscale("symlog", linthresh=25, linscale=0.4)
-        axes.set_xticks([0, *(tick for tick in (100, 1000, 10_000, 100_000) if tick <= axes.get_xlim()[1])])
-        axes.set(xlabel=below, ylim=(-0.03, 1.05), xlim=(-4, None))
+            drawn[method] = axes.errorbar(steps, share, spread, fmt=style[method], ms=4.5, lw=1.6, elinewidth=1)
+        if level is not None:
+            axes.axhline(level, color="black", lw=0.9, ls="--")
+        axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
         axes.set_title(title, loc="left", fontsize=11)
         axes.grid(alpha=0.25)
-    row[0].set_ylabel("share of runs within 3 x the least steps")
+    row[0].set_ylabel(labels[1])
+    if log:
+        row[0].set_xscale("symlog", linthresh=25, linscale=0.4)
+        row[0].set_xlim(-4, None)
     figure.legend([*drawn.values()], [*drawn], loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     return figure
