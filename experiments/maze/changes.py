@@ -18,7 +18,7 @@ from experiments.maze.peers import MANY, best_acts, copied, q_learners, replayed
 from experiments.maze.planners import PATIENCE, Explorers, arrivals, least_steps, wanderers
 from experiments.maze.rerouting import Replanning, Rerouting, Walks, in_turn
 from experiments.maze.worlds import moved_wall, new_goal
-from experiments.shared.judging import interval_95
+from experiments.shared.judging import intervals_95
 from experiments.shared.progress import Report
 from imitation.acting.follow import Follower
 from models.maze import TRUE_DYNAMICS, Maze
@@ -55,14 +55,12 @@ def changes(maze: Maze, seed: int, demonstrations: int, report: Report) -> dict[
 
 def _told(runs: list[Walks]) -> dict[str, Any]:
     """Pooled over seeds and goals (in this order), walk by walk."""
-    steps = np.mean([[before for before, _ in walks] for walks in runs], axis=0)
-    arrived = np.array([[hits for _, hits in walks] for walks in runs])  # (seeds x goals, walks, R)
-    count = arrived.shape[0] * arrived.shape[2]
+    arrived = np.array([[hits for _, hits in walks] for walks in runs]).swapaxes(1, 2)  # (seeds x goals, R, walks)
     return {
-        "own_steps": steps,
-        "share": arrived.mean((0, 2)),
-        "interval": [interval_95(int(hits), count) for hits in arrived.sum((0, 2))],
-        "by_seed": [part.mean((0, 2)) for part in np.array_split(arrived, min(SEEDS, len(arrived)))],
+        "own_steps": np.mean([[before for before, _ in walks] for walks in runs], axis=0),
+        "share": arrived.mean((0, 1)),
+        "interval": intervals_95(np.concatenate(arrived)),
+        "by_seed": [part.mean((0, 1)) for part in np.array_split(arrived, min(SEEDS, len(arrived)))],
     }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import Experience, Inferred
-from experiments.maze.options import SEEING, Config
+from experiments.maze.options import Config
 from experiments.shared.tables import table
 from imitation.acting.follow import Journey, believed
 from imitation.inference.intent import in_blocks
@@ -58,7 +58,7 @@ class Found:
         model, decisions, curve = self.experience.forward_model, self.journey.decisions, self.curve
         maze, goal = self.maze, self.config.goal
         teacher, steps = self.experience.teacher_steps(goal), int(self.journey.steps[0])
-        inferred, even = self.inferred, self.even[self.config.actions]
+        inferred = self.inferred
         by_actions = {
             name: {
                 "right_steps": float((one.by_step.probability.argmax(1) == self.unseen.goal - 1).mean()),
@@ -66,18 +66,12 @@ class Found:
             }
             for name, one in self.beliefs.items()
         }
-        shown = by_actions[self.config.actions]
+        size = {"width": maze.width, "height": maze.height}
         return {
-            "maze": {
-                "width": maze.width,
-                "height": maze.height,
-                "goals": maze.goals,
-                "fingerprint": maze.fingerprint,
-            },
+            "maze": {**size, "goals": maze.goals, "fingerprint": maze.fingerprint},
             "forward_model": {
                 "counted_transitions": model.transitions,
                 "uniform": model.transitions == 0,
-                "cells_away_from_walls": int((maze.walls.sum(-1) == 0).sum()),
                 "untried_actions": int((model.visits == 0).sum()),
                 "table": self.table,
                 "truth": TRUE_DYNAMICS,
@@ -103,13 +97,9 @@ class Found:
                 "steps": self.unseen.steps,
                 "block": BLOCK,
                 "blocks": in_blocks(inferred.by_step.probability, BLOCK),
-                "blocks_uniform_goal_prior": in_blocks(even.by_step.probability, BLOCK),
                 "filter_blocks": in_blocks(inferred.filtered.probability, BLOCK),
-                "filter_end": shown["filter_end"],
-                "filter_right_at_the_end": bool(shown["filter_end"].argmax() == self.unseen.goal - 1),
-                "right_steps": shown["right_steps"],
+                **by_actions[self.config.actions],
                 "uninformed_steps": inferred.by_step.uninformed_steps,
-                "filter_uninformed_steps": inferred.filtered.uninformed_steps,
                 "actions": self.config.actions,
                 "by_actions": by_actions,
             },
@@ -120,24 +110,13 @@ def summary(config: Config, metrics: dict[str, Any]) -> str:
     """The metrics of `Found` for people: a markdown table."""
     learned, imitation, intent = metrics["forward_model"], metrics["imitation"], metrics["intent"]
     source = f"{config.wander_steps} random steps" if config.memory is None else f"recalled from {config.memory.name}"
+    verdict = (
+        f"{learned['counted_transitions']} transitions counted away from walls, {learned['untried_actions']} actions "
+        f"never tried there; total variation from the truth {learned['total_variation']:.4f}"
+    )
     if learned["uniform"]:
-        free = "" if learned["cells_away_from_walls"] else " (no cell of this maze is away from walls)"
-        verdict = f"**nothing was counted{free}: the forward model is uniform, it knows no action from another**"
-    else:
-        verdict = (
-            f"{learned['counted_transitions']} transitions counted away from walls; "
-            f"total variation from the truth {learned['total_variation']:.4f}"
-        )
-        if learned["untried_actions"]:
-            verdict += f"; {learned['untried_actions']} actions never tried there: taken as uniform"
+        verdict = "**nothing was counted: the forward model is uniform, it knows no action from another**"
     arrived = "reached" if imitation["reached"] else "**not reached**"
-    (other,) = set(SEEING) - {config.actions}
-
-    def told(actions: str, how: str = "") -> str:
-        right, end = intent["by_actions"][actions].values()
-        share = f"right in {100 * right:.0f} % of steps{how}"
-        return f"{share}; the filter ends at {', '.join(f'{p:.3f}' for p in end)}"
-
     rows = [
         ("forward model", f"{source}: {verdict}"),
         (
@@ -150,10 +129,9 @@ def summary(config: Config, metrics: dict[str, Any]) -> str:
             f"Eq. (1) was 0/0 and the forward model decided alone: {imitation['forward_model_alone_steps']}; "
             f"chance: {imitation['chance_steps']}; backtracking: {imitation['backtracking_steps']}",
         ),
-        (
-            f"intent, unseen walk of {intent['steps']} steps to goal {intent['goal']}, actions {config.actions}",
-            told(config.actions, f" judged one by one ({intent['uninformed_steps']} were 0/0)"),
-        ),
-        (f"the same with actions {other}", told(other)),
     ]
+    for actions, one in intent["by_actions"].items():
+        end = ", ".join(f"{p:.3f}" for p in one["filter_end"])
+        walk = f"intent, unseen walk of {intent['steps']} steps to goal {intent['goal']}, actions {actions}"
+        rows.append((walk, f"right in {one['right_steps']:.0%} of steps one by one; the filter ends at {end}"))
     return f"# Maze: wander, watch, imitate, infer\n\n{table(rows, ('', ''))}\n"

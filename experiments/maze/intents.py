@@ -7,7 +7,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
 from experiments.maze.mind import Experience, half_for_the_first, infer, junctions, step_likelihood, watched
-from experiments.shared.judging import interval_95
+from experiments.shared.judging import intervals_95
 from experiments.shared.progress import Report
 from imitation.acting.follow import believed
 from models.maze import Maze, MazeBody, demonstrate
@@ -59,15 +59,15 @@ def intents(observers: Experience, seed: int, smoothing: float, report: Report) 
                 rows[f"intent_{name}_accuracy"].append(right.mean() if name.endswith("step") else right[-1])
                 rows[f"intent_{name}_log_loss"].append(-np.log2(belief.probability[:, goal]).mean())
                 rows[f"intent_{name}_uninformed_steps"].append(belief.uninformed_steps)
-            told = (seen.by_step, infer(priors, episode, uneven, smoothing).by_step)
-            for name, one in zip(("uniform", "uneven"), told, strict=True):
+            at_crossing = np.isin(episode.states[:-1], crossing)
+            for name, one in (("uniform", seen), ("uneven", infer(priors, episode, uneven, smoothing))):
                 for kind in ("", "_goal_1") if goal == 0 else ("",):
-                    entropy[name + kind].extend(one.entropy[np.isin(episode.states[:-1], crossing)])
+                    entropy[name + kind].extend(one.by_step.entropy[at_crossing])
             by_now = np.ceil(SHARES * walk.steps).astype(int)
-            votes = {rule: scores[by_now] for rule, scores in rules_of_thumb(maze, episode.states).items()}
-            votes["filter"] = seen.filtered.probability[by_now - 1]
-            votes["filter, places alone"] = unseen.filtered.probability[by_now - 1]
-            for rule, vote in votes.items():  # ties are tossed for
+            votes = {rule: each[1:] for rule, each in rules_of_thumb(maze, episode.states).items()}
+            votes |= {"filter": seen.filtered.probability, "filter, places alone": unseen.filtered.probability}
+            for rule, scores in votes.items():  # ties are tossed for
+                vote = scores[by_now - 1]
                 best = np.isclose(vote, vote.max(1, keepdims=True), rtol=0, atol=1e-9)
                 by_share[rule].append(np.where(best, toss.random(vote.shape), -1.0).argmax(1) == goal)
             report((goal + (k + 1) / len(walks)) / goals)
@@ -75,11 +75,7 @@ def intents(observers: Experience, seed: int, smoothing: float, report: Report) 
         **{name: float(np.mean(values)) for name, values in rows.items()},
         "intent_walks": goals * copies,
         "intent_by_share": {
-            rule: {
-                "share": SHARES,
-                "accuracy": np.mean(right, axis=0),
-                "interval": [interval_95(int(hits), len(right)) for hits in np.sum(right, axis=0)],
-            }
+            rule: {"share": SHARES, "accuracy": np.mean(right, 0), "interval": intervals_95(np.array(right))}
             for rule, right in by_share.items()
         },
         "junctions": [maze.place(cell) for cell in crossing],

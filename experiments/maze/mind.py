@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -88,11 +89,6 @@ def teach(maze: Maze, demonstrations: int, seed: int, purpose: int = TEACHING) -
     return [walk for goal in range(1, len(maze.goals) + 1) for walk in demonstrate(body, goal, rng)]
 
 
-def imitator(maze: Maze, seed: int) -> MazeBody:
-    """The one whose imitation is shown."""
-    return MazeBody(maze, seed=[seed, IMITATING])
-
-
 def places_of(maze: Maze) -> Places:
     """What its cells are to somebody who walks there."""
     return Places((1, 1), (maze.width, maze.height))
@@ -174,14 +170,11 @@ def half_for_the_first(goals: int) -> FloatArray:
 
 def junctions(maze: Maze) -> list[int]:
     """Cells on the shortest ways to two goals where these ways part: no action is right for both."""
-    start = maze.number(maze.start)
-    from_start = maze.distances(maze.start)
-    found = set()
+    begun, start = maze.distances(maze.start), maze.number(maze.start)
     to = [maze.distances(goal) for goal in maze.goals]
-    for i, one in enumerate(to):
-        for two in to[:i]:
-            shared = (from_start >= 0) & (one > 0) & (two > 0)
-            shared &= (from_start + one == one[start]) & (from_start + two == two[start])
-            right = [d[maze.lead] < d[:, None] for d in (one, two)]
-            found |= set(np.flatnonzero(shared & ~(right[0] & right[1]).any(1)).tolist())
-    return sorted(found)
+    on_the_way = [(begun >= 0) & (left > 0) & (begun + left == left[start]) for left in to]
+    right = [left[maze.lead] < left[:, None] for left in to]
+    parting = [
+        on_the_way[i] & on_the_way[j] & ~(right[i] & right[j]).any(1) for i, j in combinations(range(len(to)), 2)
+    ]
+    return np.flatnonzero(np.any(parting, axis=0)).tolist() if parting else []

@@ -52,24 +52,22 @@ def q_learners(
         seed: randomness.
         first: values to begin with; zeros if not given.
     """
-    shape = (len(goals), len(Q_SETTINGS), learners)
-    size = int(np.prod(shape))
-    goal = np.broadcast_to(goals[:, None, None], shape).reshape(size)
-    columns = np.broadcast_to(np.array(Q_SETTINGS).T[:, None, :, None], (4, *shape)).copy()
-    rate, epsilon, discount, optimistic = columns.reshape(4, size)
+    shape = (len(ACTIONS), len(goals), len(Q_SETTINGS), learners, maze.cells)
+    goal = np.repeat(goals, len(Q_SETTINGS) * learners)
+    size, settings = len(goal), np.repeat(Q_SETTINGS, learners, axis=0)
+    rate, epsilon, discount, optimistic = np.tile(settings.T, len(goals))
     cost, prize = -optimistic, 1 - optimistic  # +1 at the goal for those who pay nothing on the way
     body, rng = MazeBody(maze, copies=size, seed=(seed, 15)), np.random.default_rng([seed, 16])
-    q = np.zeros((len(ACTIONS), size, maze.cells))  # actions first: reductions over them run along long rows
-    if first is not None:
-        q[:] = first.reshape(q.shape)
-    if 0 in budgets:
-        yield q.reshape(len(ACTIONS), *shape, -1)
+    # actions first: reductions over them run along long rows
+    q = (np.zeros(shape) if first is None else first.copy()).reshape(len(ACTIONS), size, -1)
     visits, decaying = np.zeros(q.shape, np.int32), np.flatnonzero(rate < 0)
     exponent, longest = rate[decaying], 4 * maze.cells
     row, age = np.arange(size), np.zeros(size, int)
     body.reset()
-    cell = body.cell
-    for step in range(1, budgets[-1] + 1):
+    for step in range(budgets[-1] + 1):
+        if step in budgets:
+            yield q.reshape(shape).copy()
+        cell = body.cell
         here = q[:, row, cell]
         noise = rng.random((len(ACTIONS) + 1, size), dtype=np.float32)
         best = np.where(here == here.max(0), noise[1:], -1.0).argmax(0)
@@ -85,9 +83,6 @@ def q_learners(
         over = arrived | (age >= longest)
         body.put_back(over)
         age[over] = 0
-        cell = body.cell
-        if step in budgets:
-            yield q.reshape(len(ACTIONS), *shape, -1)
 
 
 def replayed(shown: Sequence[Sequence[Episode]], cells: int, times: int = 10) -> FloatArray:

@@ -21,7 +21,15 @@ from models.maze import ACTIONS, Maze, MazeBody
 RELIABLE, PATIENCE = 0.95, 3.0
 
 
-def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 1000) -> FloatArray:
+def steps_to_go(
+    lead: IntArray,
+    dynamics: FloatArray,
+    goal: int,
+    horizon: int = 1000,
+    value: FloatArray | float = 0.0,
+    passable: FloatArray | float = 1.0,
+    exact: float = 1e-3,
+) -> FloatArray:
     """(R, S, A) expected steps to the goal after each action, for R planners at once.
 
     Args:
@@ -29,15 +37,19 @@ def steps_to_go(lead: IntArray, dynamics: FloatArray, goal: int, horizon: int = 
         dynamics: (R, A, O) as each planner believes.
         goal: cell.
         horizon: the most steps looked ahead (a goal may be believed all but out of reach).
+        value: (R, S) J to begin with.
+        passable: (R, O, S) P(an outcome leads there); one stays otherwise.
+        exact: ends when no J changes by more.
     """
-    value = np.zeros((len(dynamics), len(lead)))
+    expected = np.broadcast_to(np.asarray(value, float), (len(dynamics), len(lead)))
     for _ in range(horizon):
-        to_go: FloatArray = 1 + value[:, lead] @ dynamics.transpose(0, 2, 1)
-        to_go[:, goal] = 0
-        before, value = value, to_go.min(-1)
-        if np.abs(value - before).max() < 1e-3:
+        here = expected[:, None]
+        to_go: FloatArray = 1 + dynamics @ (here + passable * (expected[:, lead.T] - here))
+        to_go[..., goal] = 0
+        expected = to_go.min(1)
+        if np.abs(expected - here[:, 0]).max() < exact:
             break
-    return to_go
+    return to_go.swapaxes(1, 2)
 
 
 def arrivals(maze: Maze, goal: int, policy: IntArray, limit: int, seed: tuple[int, ...], episodes: int) -> BoolArray:

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from babbling.files import load, save
-from experiments.maze.mind import IMITATING, Experience, imitator, wanderer
+from experiments.maze.mind import IMITATING, Experience, wanderer
 from experiments.shared.fresh_process import RESULT, Files, in_new_process
 from imitation.acting.follow import Decisions, Journey
 from imitation.deferred import StepMemory
-from models.maze import Maze, draw, read_maze
+from models.maze import Maze, MazeBody, draw, read_maze
 
 
 def recall(memory_file: Path, maze: Maze, seed: int) -> Experience:
@@ -25,7 +25,7 @@ def recall(memory_file: Path, maze: Maze, seed: int) -> Experience:
         BabblingError: a file that is no memory, or one of another maze.
     """
     memory = load(memory_file, StepMemory)
-    body = imitator(maze, seed)
+    body = MazeBody(maze, seed=[seed, IMITATING])
     memory.check(wanderer(body).forward_model())
     return Experience(body, memory.forward_model, (memory.episodes,))
 

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from babbling.axes import BoolArray, FloatArray, IntArray
-from experiments.maze.planners import Explorers
+from experiments.maze.planners import Explorers, steps_to_go
 from imitation.acting.follow import Decisions, Follower, Way, believed, follow
 from models.maze import Maze, MazeBody
 
@@ -104,22 +104,17 @@ class Replanning(Rerouting):
     def step(self, state: Way, senses: FloatArray, rng: np.random.Generator) -> tuple[Way, FloatArray, Decisions]:
         """See `Follower`; its decisions are not Eq. (1)'s."""
         state, _, decided = super().step(state, senses, rng)
-        best = self._sweep(self.sweeps)[self.copy, :, state.here].argmin(-1)
+        best = self._sweep(self.sweeps)[self.copy, state.here].argmin(-1)
         return state, best[:, None].astype(float), decided
 
     def _plan(self, who: IntArray) -> None:
         """No sub-goals: each cell is its own."""
 
     def _sweep(self, sweeps: int) -> FloatArray:
-        """(B, A, S) expected steps to the goal after each action; where a side may be closed one may stay."""
+        """See `steps_to_go`."""
         passable = np.pad(self.passable().transpose(0, 2, 1), ((0, 0), (0, 1), (0, 0)))
-        for _ in range(sweeps):
-            before = self.value[:, None]
-            to_go: FloatArray = 1 + self.tables @ (before + passable * (self.value[:, self.we.open.T] - before))
-            to_go[self.copy, :, self.goal] = 0
-            self.value = to_go.min(1)
-            if np.abs(self.value - before[:, 0]).max() < 0.01:
-                break
+        to_go = steps_to_go(self.we.open, self.tables, int(self.goal[0]), sweeps, self.value, passable, 0.01)
+        self.value = to_go.min(-1)
         return to_go
 
 

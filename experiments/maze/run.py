@@ -16,7 +16,6 @@ from experiments.maze.mind import (
     UNSEEN,
     Experience,
     half_for_the_first,
-    imitator,
     infer,
     step_likelihood,
     teach,
@@ -120,7 +119,7 @@ def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Con
     with progress("wandering") as report:
         forward_model, curve = walkers(maze, config.wander_steps, config.seed, 1, report)
     episodes = tuple(watched(walk, maze) for walk in walks)
-    return Experience(imitator(maze, config.seed), forward_model, (episodes,)), walks, curve
+    return Experience(MazeBody(maze, seed=[config.seed, IMITATING]), forward_model, (episodes,)), walks, curve
 
 
 def unseen_walk(maze: Maze, seed: int) -> Walk:

@@ -38,16 +38,17 @@ def interval_95(hits: int, count: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
+def intervals_95(right: BoolArray) -> list[tuple[float, float]]:
+    """The same of every column of (N, K)."""
+    return [interval_95(int(hits), len(right)) for hits in right.sum(0)]
+
+
 def calibration_error(confidence: FloatArray, right: BoolArray, bins: int = 10) -> tuple[float, FloatArray]:
     """Expected calibration error sum_b n_b/N |accuracy_b - confidence_b|, and (bins, 3) confidence, accuracy, count."""
     index = np.minimum((confidence * bins).astype(int), bins - 1)
-    rows = np.zeros((bins, 3))
-    for b in range(bins):
-        mine = index == b
-        if mine.any():
-            rows[b] = confidence[mine].mean(), right[mine].mean(), mine.sum()
-    error = float((rows[:, 2] * np.abs(rows[:, 0] - rows[:, 1])).sum() / len(confidence))
-    return error, rows
+    count = np.bincount(index, minlength=bins)
+    sure, hits = (np.bincount(index, each, bins) / np.maximum(count, 1) for each in (confidence, right))
+    return float(np.average(np.abs(sure - hits), weights=count)), np.stack([sure, hits, count], 1)
 
 
 def scores(probability: FloatArray, target: IntArray) -> FloatArray:
