@@ -1,21 +1,73 @@
 """Options of `imitate benchmark`."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any
 
-from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Demonstration, Minutes, options, some
+from experiments.errors import ExperimentError
+from experiments.shared.options import (
+    BABBLING_MINUTES,
+    BodyOptions,
+    Demonstration,
+    Minutes,
+    Options,
+    known,
+    options,
+    some,
+    within,
+)
+from models.robots import find as find_robot
+
+BODIES: Mapping[str, Mapping[str, Any]] = MappingProxyType({
+    "ideal": {},
+    "noisy": {"sensor_noise_deg": 0.2},
+    "scrambled": {"scramble": 3},
+    **{name: {"robot": f"hoap2-{name}"} for name in ("worn", "payload", "spring", "backlash", "hysteresis")},
+})  # fmt: skip
+"""What each is, besides HOAP-2."""
+MODELS = (
+    "average", "table", "replay", "inverse_line", "forward_line", "gaussian", "feature_line", "feature_line_forward",
+    "mlp", "trees", "lqr", "average_without_table", "average_map", "average_matching",
+)  # fmt: skip
+"""The imitator; its peers; and what of it is left without the table or with other rules of selection."""
+PEERS, LEARNERS = MODELS[1:11], MODELS[8:10]
+"""Peers; those that need scikit-learn (extra `peers`), and are left out without it."""
+CURVE = ("average", "table", "inverse_line", "forward_line", "feature_line", "feature_line_forward")
+"""Whom the learning curve shows."""
+
+
+def _body(name: str) -> object:
+    return BODIES[name] if name in BODIES else find_robot(name)
+
+
+def _model(option: str, name: str) -> None:
+    if name not in MODELS:
+        raise ExperimentError(f"{option} {name}: unknown; possible: {', '.join(MODELS)}")
 
 
 @options
-class Config(BodyOptions):
+class Config(Options):
     """Options of `imitate benchmark`."""
 
-    demonstrations: tuple[Demonstration, ...] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")
+    clips: Annotated[tuple[Demonstration, ...], some] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")
     """What to imitate: built-in names or files."""
+    bodies: Annotated[tuple[Annotated[str, known(_body)], ...], some] = ("ideal", "worn")
+    """ideal, noisy (0.2 degrees), worn, scrambled, payload, spring, backlash, hysteresis; or robots."""
+    seeds: Annotated[int, some] = 2
+    """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
+    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS
+    """Who imitates."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling."""
-    floor: float = 10.0
-    """Also babble this many times as long, for the floor of the learning curve; 0 leaves it out."""
-    attempts: Annotated[int, some] = 5
-    """Attempts of the discretised Bayesian model."""
+    attempts: Annotated[int, some] = 1
+    """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
+    curve: bool = False
+    """Also errors after 0.3 to 100 body-minutes, on ideal and worn bodies: much longer."""
+    workers: Annotated[int, within(1, 64)] = 2
+    """Processes; the result does not depend on it."""
     peers: bool = False
     """Also the maze's peers (pgmpy, pymdp) where they are installed."""
+
+    def body(self, name: str, seed: int) -> BodyOptions:
+        """A body of one seed; one thread each."""
+        return BodyOptions(seed=seed, threads=1, **BODIES.get(name, {"robot": name}))

@@ -1,164 +1,154 @@
-"""Peers in one table: same body, same babbling, same loop, each inverse model at its best gain; and what it costs."""
+"""Peers in one table: same bodies, same experience, same loop, each at its own best eagerness; and what it costs."""
 
-import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from functools import partial
+from importlib.util import find_spec
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from babbling.loop import babble, bouts
-from babbling.mind import Mind
+from experiments.benchmark import figures
 from experiments.benchmark import maze as maze_benchmark
-from experiments.benchmark.options import Config
-from experiments.gesture.figures import babbling_curve
-from experiments.shared.baselines import direct_replay, replay_commands
+from experiments.benchmark.lives import Clips, Point, Task, live
+from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
 from experiments.shared.experiment import Result
-from experiments.shared.judging import LearningCurve, rmse_deg
-from experiments.shared.minds import COPIES, HeldOut, bare_rate, body_of, learn_mind
-from experiments.shared.options import BodyOptions
-from experiments.shared.peers import ForwardLine, InverseLine
+from experiments.shared.minds import COPIES, body_of
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
-from imitation.acting.loop import imitate
-from imitation.acting.rehearsal import REHEARSERS, best_eagerness
-from imitation.inference.moving import AveragedInverse, MovingInverse
-from models.feedforward import feedforward_angles
+
+GROWING = (0.0, 8 / 3, 32 / 3, 32.0, 292 / 3)
+"""Minutes of babbling after the whole pilot at which the curve has points; before, pilots of fewer copies."""
+CURVE_BODIES = ("ideal", "worn")
+RESAMPLES = 2000
 
 
 def run(config: Config) -> Result:
-    """Babble once, imitate with everyone, measure the babble's own speed."""
+    """Watch, live every life, compare, measure what it costs."""
     config.check()
-    body = body_of(config, 1, stream=3)
-    seen = {name: watch(name, body) for name in config.demonstrations}
-    with progress("babbling") as report:
-        learned = learn_mind(config, config.babbling_minutes, report)
-    mind = learned.mind
-    peers = inverse_models(mind, config)
-    errors: dict[str, dict[str, float]] = {}
-    metrics: dict[str, Any] = {"robot": config.robot, "seed": config.seed, **learned.metrics}
-    with progress("imitating") as report:
-        gains = {
-            peer: mind.temper.eagerness
-            if isinstance(inverse, AveragedInverse)
-            else best_eagerness(body_of(config, REHEARSERS, stream=1), mind, inverse, config.seed)
-            for peer, inverse in peers.items()
-        }
-        for done, (name, one) in enumerate(seen.items()):
-            row = {"direct replay": rmse_deg(direct_replay(body, one.angles), one.angles)}
-            for peer, inverse in peers.items():
-                attempts = imitate(
-                    body,
-                    one.movement,
-                    mind,
-                    inverse=inverse,
-                    eagerness=gains[peer],
-                    attempts=config.attempts if peer == "Bayesian, mean" else 1,
-                    rng=np.random.default_rng([config.seed, 8]),
-                    witness=lambda: body.joint_angles,
-                )
-                row[peer] = rmse_deg(attempts[0].truth[:, 0], one.angles)
-                if len(attempts) > 1:
-                    row[f"Bayesian, mean, attempt {len(attempts)}"] = rmse_deg(attempts[-1].truth[:, 0], one.angles)
-                if peer == "Bayesian, mean":
-                    select = 1e3 * np.concatenate([a.select_s for a in attempts])
-                    metrics["select_p50_ms"], metrics["select_p99_ms"] = np.quantile(select, (0.5, 0.99))
-            fed_forward = replay_commands(body, one.angles, partial(feedforward_angles, body))
-            row["true inverse dynamics"] = rmse_deg(fed_forward, one.angles)
-            errors[name] = row
-            report((done + 1) / len(seen))
-    metrics["rmse_deg"] = errors
-    metrics["babbling_efficiency_factor"] = efficiency(config, mind)
-    floor = None
-    assert learned.curve is not None  # it has babbled
-    if config.floor > 0:
-        floor = curve_floor(config, mind, config.babbling_minutes * config.floor)
-        metrics["learning_curve_floor_body_minutes"], metrics["learning_curve_floor_deg"] = floor
+    models = [name for name in config.models if name not in LEARNERS or find_spec("sklearn")]
+    clips = watched(config)
+    seeds = range(config.seed, config.seed + config.seeds)
+    task = partial(Task, config, clips=clips)
+    tasks = [
+        task(body, seed, models=models, stops=(config.babbling_minutes,), attempts=config.attempts)
+        for body in config.bodies
+        for seed in seeds
+    ]
+    tasks[0] = tasks[0]._replace(costs=True)
+    growing = [
+        task(body, seed, models=CURVE, stops=GROWING if copies == COPIES else (0.0,), copies=copies)
+        for body in CURVE_BODIES if config.curve
+        for seed in seeds
+        for copies in (COPIES, COPIES // 2, COPIES // 4, COPIES // 8)
+    ]  # fmt: skip
+    lives = in_parallel(growing + tasks, config.workers)
+    grown, [costs, *_] = lives[: len(growing)], [life[0].costs for life in lives[len(growing) :]]
+    lived: dict[str, list[Point]] = {}
+    for one, [point] in zip(tasks, lives[len(growing) :], strict=True):
+        lived.setdefault(one.body, []).append(point)
+    metrics = compare(config, tuple(clips), lived) | costs
+    if config.curve:
+        metrics["curve"] = curves(growing, grown)
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
-    figures = {"peers": bars(errors), "learning_curve": babbling_curve(learned.curve, floor)}
-    return Result(metrics, summarise(errors, metrics, learned.curve, maze), figures)
+    return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
 
 
-def inverse_models(mind: Mind, options: BodyOptions) -> dict[str, MovingInverse]:
-    """Everyone who answers "what action leads there", by name."""
-    models: dict[str, MovingInverse] = {
-        f"Bayesian, {rule}": AveragedInverse(mind.forward_model, rule, trust=mind.temper.trust)
-        for rule in ("mean", "map", "matching")
+def in_parallel(tasks: Sequence[Task], workers: int) -> list[list[Point]]:
+    """Every life, in order; which process lives it makes no difference."""
+    with ExitStack() as stack:
+        report, each = stack.enter_context(progress("living")), map
+        if workers > 1:
+            each = stack.enter_context(ProcessPoolExecutor(workers, get_context("spawn"))).map  # type: ignore[assignment]
+        lives = []
+        for life in each(live, tasks):
+            lives.append(life)
+            report(len(lives) / len(tasks))
+        return lives
+
+
+def watched(config: Config) -> Clips:
+    """Every clip, at the pace that these bodies' servos allow, the same for all."""
+    body = body_of(config.body(config.bodies[0], config.seed), 1)
+    with progress("watching") as report:
+        clips = {}
+        for done, clip in enumerate(config.clips):
+            clips[Path(clip).name] = watch(clip, body).angles
+            report((done + 1) / len(config.clips))
+    return clips
+
+
+def compare(config: Config, clips: Sequence[str], lived: Mapping[str, Sequence[Point]]) -> dict[str, Any]:
+    """The numbers of metrics.json."""
+    metrics: dict[str, Any] = {"seeds": config.seeds, "clips": list(clips), "errors_deg": {}, "ringing_deg": {}}
+    for body, points in lived.items():
+        models = list(points[0].errors)
+        errors = {c: {m: [p.errors[m][i] for p in points] for m in models} for i, c in enumerate(clips)}
+        rings = {m: np.mean([p.ringing[m] for p in points], axis=0) for m in models}
+        metrics["errors_deg"][body] = errors
+        metrics["ringing_deg"][body] = {m: [float(np.median(r)), float(r.max())] for m, r in rings.items()}
+        rivals = [m for m in models if m in PEERS]
+        if "average" in models and rivals:
+            ratios = {c: ratio(one["average"], {m: one[m] for m in rivals}) for c, one in errors.items()}
+            metrics.setdefault("ratio", {})[body] = {c: r[1:] for c, r in ratios.items()}
+            metrics.setdefault("best_peer", {})[body] = {c: r[0] for c, r in ratios.items()}
+        if config.attempts >= 5 and "average" in models:
+            fifth = {c: [p.last[i][4] for p in points] for i, c in enumerate(clips)}
+            metrics.setdefault("fifth_deg", {})[body] = fifth
+    return metrics
+
+
+def ratio(ours: Sequence[float], theirs: Mapping[str, Sequence[float]]) -> tuple[str, float, float, float]:
+    """Best peer, our mean error over its, and a 95 % interval by drawing seeds again (all models' together)."""
+    mine, others = np.array(ours), np.array(list(theirs.values()))
+    drawn = np.random.default_rng(0).integers(0, len(mine), (RESAMPLES, len(mine)))
+    low, high = np.quantile(mine[drawn].mean(1) / others[:, drawn].mean(2).min(0), (0.025, 0.975))
+    best = int(others.mean(1).argmin())
+    return list(theirs)[best], float(mine.mean() / others[best].mean()), float(low), float(high)
+
+
+def curves(tasks: Sequence[Task], lives: Sequence[Sequence[Point]]) -> dict[str, dict[str, Any]]:
+    """[minutes, errors of every seed at each] by body and model: means over clips; where every seed's pilot worked."""
+    found: dict[str, dict[float, list[Point]]] = {}
+    for task, points in zip(tasks, lives, strict=True):
+        for point in points:
+            found.setdefault(task.body, {}).setdefault(point.minutes, []).append(point)
+    seeds = tasks[0].config.seeds
+    whole = {b: {m: p for m, p in sorted(at.items()) if len(p) == seeds} for b, at in found.items()}
+    return {
+        body: {
+            name: [list(at), [[float(np.mean(p.errors[name])) for p in some] for some in at.values()]] for name in CURVE
+        }
+        for body, at in whole.items()
     }
-    return {**models, "linear": InverseLine(mind.forward_model), "forward line": ForwardLine(mind.forward_model)}
 
 
-def efficiency(options: BodyOptions, mind: Mind, rounds: int = 5, ticks: int = 250) -> float:
-    """Babbling (exploring, acting, feeling, counting) against bare `mujoco.batch` stepping of the same bodies through
-    the same commands, in turn; the median of the rates' ratio.
-    """
-    body = body_of(options, COPIES)
-    model = mind.pilot.forward_model()
-    ratios = []
-    for number in range(rounds):
-        started = time.perf_counter()
-        babble(body, mind.pilot, (ticks,), options.seed + number, onto=model)
-        ours = time.perf_counter() - started
-        bare = ticks / bare_rate(body, mind.pilot, np.random.default_rng([options.seed + number, 3, 0]), ticks)
-        ratios.append(bare / ours)
-    return float(np.median(ratios))
-
-
-def curve_floor(options: BodyOptions, mind: Mind, minutes: float) -> tuple[float, float]:
-    """(body-minutes, degrees) held-out error of the same table after a far longer babble."""
-    body = body_of(options, COPIES)
-    plan = bouts(minutes, body)
-    with progress(f"{minutes:.0f} body-minutes for the floor of the learning curve") as report:
-        model = babble(body, mind.pilot, plan, options.seed, after_bout=lambda done, so_far: report(done / len(plan)))
-    held_out = HeldOut(options, mind.pilot)
-    held_out.note(sum(plan) * COPIES * body.tick_s / 60, model)
-    minutes, table, _ = held_out.points[0]
-    return minutes, table
-
-
-def summarise(
-    errors: dict[str, dict[str, float]], metrics: dict[str, Any], curve: LearningCurve, maze: list[maze_benchmark.Row]
-) -> str:
-    """Peers, degrees; then the costs; then the maze's questions: three markdown tables."""
-    peers = list(next(iter(errors.values())))
-    end = f"{curve.table[-1]:.4f} deg after {curve.minutes[-1]:.0f} body-minutes"
+def summarise(metrics: Mapping[str, Any], maze: Sequence[maze_benchmark.Row]) -> str:
+    """Bodies, then costs, then the maze's questions: markdown tables."""
+    parts = [f"Joint error, root mean square over joints and frames, degrees; mean over {metrics['seeds']} seeds"]
+    for body, errors in metrics["errors_deg"].items():
+        rings = metrics["ringing_deg"][body]
+        rows = [
+            (model, *(f"{np.mean(one[model]):.4f}" for one in errors.values()), "{:.3f} / {:.3f}".format(*rings[model]))
+            for model in rings
+        ]
+        if ratios := metrics.get("ratio", {}).get(body):
+            rows.append(("average / best peer", *("{:.2f} ({:.2f} to {:.2f})".format(*r) for r in ratios.values()), ""))
+        if fifth := metrics.get("fifth_deg", {}).get(body):
+            rows.append(("average, fifth attempt", *(f"{np.mean(one):.4f}" for one in fifth.values()), ""))
+        parts.append(table(rows, (body, *errors, "ringing, median / worst joint")))
     costs = [
         ("babbling against bare stepping of the same bodies", f"{metrics['babbling_efficiency_factor']:.2f}"),
         ("one selection for all joints", f"{metrics['select_p50_ms']:.2f} ms"),
-        ("held-out prediction error", f"{end} (line {curve.line[-1]:.4f})"),
     ]
-    if "learning_curve_floor_deg" in metrics:
-        what = f"the same after {metrics['learning_curve_floor_body_minutes']:.0f} body-minutes"
-        costs.append((what, f"{metrics['learning_curve_floor_deg']:.4f} deg"))
     answers = [
         (r.question, r.who, f"{r.each_us:.3f}", f"{r.times_ours_factor:.2f}", f"{r.largest_difference:.1e}")
         for r in maze
     ]
-    return "\n\n".join([
-        "Joint error, root mean square over all joints and frames, degrees",
-        table(
-            ((peer, *(f"{row[peer]:.4f}" for row in errors.values())) for peer in peers),
-            ("peer", *(Path(name).name for name in errors)),
-        ),
-        table(costs, ("cost", "")),
-        table(answers, ("maze question", "who", "us each", "times ours", "largest difference")),
-    ])  # fmt: skip
-
-
-def bars(errors: dict[str, dict[str, float]]) -> Figure:
-    """Error of every peer on every demonstration."""
-    figure = Figure(figsize=(10, 4.8), layout="constrained")
-    axis = figure.subplots()
-    peers = list(next(iter(errors.values())))
-    width = 0.85 / len(errors)
-    for i, (name, row) in enumerate(errors.items()):
-        axis.bar(np.arange(len(peers)) + i * width, [row[peer] for peer in peers], width, label=Path(name).name)
-    axis.set_xticks(np.arange(len(peers)) + 0.4, peers, rotation=20, ha="right")
-    axis.set_yscale("log")
-    axis.set_ylabel("joint error [deg]")
-    axis.set_title("Same body, same babbling, same loop, each at its best gain")
-    axis.legend(frameon=False, fontsize=8)
-    return figure
+    header = ("maze question", "who", "us each", "times ours", "largest difference")
+    return "\n\n".join([*parts, table(costs, ("cost", "")), table(answers, header)])

@@ -18,7 +18,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
-from experiments.shared.peers import InverseLine
+from experiments.shared.peers import inverse_line
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
@@ -57,7 +57,7 @@ def run(config: Config) -> Result:
     perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])
     attempts = perform(selection=config.selection, attempts=config.attempts, rng=rng)
-    line = InverseLine(mind.forward_model)
+    line = inverse_line(mind.forward_model)
     eagerness = best_eagerness(body_of(config, REHEARSERS, stream=1), mind, line, config.seed)
     peer = perform(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
     done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))

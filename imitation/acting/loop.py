@@ -156,14 +156,16 @@ class Imitator:
         posture = target + self.eagerness * (belief.mean[..., 0] - target)
         rate = pace + self.eagerness * (belief.mean[..., 1] - pace)
         wanted = after - posture - self.mind.pilot.dynamics.coasting * rate - belief.mean[..., 2]
-        here, terms = Here(posture, rate, state.echo, pace), self.terms(senses, belief.mean)
+        ahead = state.targets[state.tick :]
+        onward = (ahead[:3][-1] - target) / (len(ahead[:3]) - 1) / self.tick_s
+        here, terms = Here(posture, rate, state.echo, onward, ahead[1:]), self.terms(senses, belief.mean)
         clock = time.perf_counter()
         choice = self.inverse.choose(here, wanted, terms, rng)
         clock = time.perf_counter() - clock
         # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
         command = np.clip(posture + choice.action, self.mind.pilot.low, self.mind.pilot.high)
         nothing = np.zeros((*rate.shape, 0))
-        felt = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, pace)
+        felt = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
         predicted = self.estimate.predict(belief, command, self.inverse.expect(felt, command))
         echo = self.mind.pilot.frame.features.after(state.echo, command)
         outlook = self.mind.forward_model.at(posture, rate, state.echo)

@@ -42,6 +42,8 @@ class Here(NamedTuple):
     """What earlier commands left."""
     pace: FloatArray
     """Rate that is wanted next."""
+    ahead: FloatArray
+    """(n, B, F) postures that are wanted, from the next tick on."""
 
 
 class Decided(NamedTuple):

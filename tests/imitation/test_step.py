@@ -144,11 +144,12 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
     signs = set()
     for asked, state, info in zip(inverse.asked, states, infos, strict=False):
         target, (posture, rate, _) = state.targets[state.tick], info.believed.T
-        pace = np.gradient(state.targets, 0.02, axis=0)[state.tick]
+        pace, onward = np.gradient(state.targets, 0.02, axis=0)[state.tick : state.tick + 2]
         where = (1 - eagerness) * target + eagerness * posture.T
         np.testing.assert_allclose(asked.here.posture, where, atol=1e-12)
         np.testing.assert_allclose(asked.here.rate, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
-        np.testing.assert_allclose(asked.here.pace, pace, atol=1e-12)
+        np.testing.assert_allclose(asked.here.pace, onward, atol=1e-12)
+        np.testing.assert_array_equal(asked.here.ahead, state.targets[state.tick + 1 :])
         told = (where + asked.action).clip(arm_mind.pilot.low, arm_mind.pilot.high)
         np.testing.assert_allclose(info.commands, told, atol=1e-12)
         signs |= set(np.sign(asked.here.rate).ravel())

@@ -1,0 +1,54 @@
+"""Figures of the benchmark: everyone on every body, and the learning curve."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+
+_LINES = dict(zip(("average", "table", "inverse_line", "forward_line", "feature_line", "feature_line_forward"),
+                  (OURS, DARK, PLAIN, INKS["green"], THEIRS, INKS["violet"]), strict=True))  # fmt: skip
+
+
+def drawn(metrics: Mapping[str, Any]) -> dict[str, Figure]:
+    """By file stem."""
+    found = {"errors": errors(metrics["errors_deg"])}
+    return found | ({"curve": curve(metrics["curve"])} if "curve" in metrics else {})
+
+
+def errors(of_bodies: Mapping[str, Any]) -> Figure:
+    """Bodies below each other, models beside each other: a point for every seed and clip, a bar at their mean."""
+    figure = Figure(figsize=(10, 1 + 1.7 * len(of_bodies)), layout="constrained")
+    rows = figure.subplots(len(of_bodies), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (body, clips) in zip(rows, of_bodies.items(), strict=True):
+        models = list(next(iter(clips.values())))
+        for x, model in enumerate(models):
+            ink = OURS if model.startswith("average") else THEIRS
+            values = np.array([one[model] for one in clips.values()])  # (clips, seeds)
+            places = x + np.linspace(-0.3, 0.3, len(values))[:, None] + 0 * values
+            axes.plot(places.ravel(), values.ravel(), "o", color=ink, ms=2.5, alpha=0.6)
+            axes.hlines(values.mean(), x - 0.38, x + 0.38, color=ink, lw=1.6)
+        axes.set(yscale="log", ylabel=f"{body} [deg]")
+        axes.grid(alpha=0.25, axis="y", which="both")
+        axes.set_xticks(np.arange(len(models)), models, rotation=25, ha="right")
+    rows[0].set_title("Joint error of every seed and clip (in order), and their mean; same experience, same loop")
+    return figure
+
+
+def curve(of_bodies: Mapping[str, Any]) -> Figure:
+    """Error against body-minutes, pilot included: mean over seeds, and from the least to the greatest."""
+    figure = Figure(figsize=(5.2 * len(of_bodies), 4.4), layout="constrained")
+    row = figure.subplots(1, len(of_bodies), sharey=True, squeeze=False)[0]
+    for axes, (body, models) in zip(row, of_bodies.items(), strict=True):
+        for model, (minutes, values) in models.items():
+            low, mean, high = (by(np.array(values), axis=1) for by in (np.min, np.mean, np.max))
+            axes.plot(minutes, mean, "o-", color=_LINES[model], ms=3, lw=2 if model == "average" else 1.2, label=model)
+            axes.fill_between(minutes, low, high, color=_LINES[model], alpha=0.15, lw=0)
+        axes.set(xscale="log", yscale="log", xlabel="body-minutes, pilot included", title=body)
+        axes.grid(alpha=0.25, which="both")
+    row[0].set_ylabel("joint error, mean over clips [deg]")
+    row[-1].legend(frameon=False, fontsize=8)
+    figure.suptitle("Mean and range over seeds", fontsize=11)
+    return figure
