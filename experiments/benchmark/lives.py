@@ -10,7 +10,6 @@ import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body import Body
-from babbling.errors import BabblingError
 from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
@@ -40,7 +39,6 @@ class Task(NamedTuple):
     models: Sequence[str]
     stops: tuple[float, ...]
     """Minutes of babbling after which everyone imitates, ascending."""
-    copies: int = COPIES
     attempts: int = 1
     costs: bool = False
 
@@ -81,29 +79,22 @@ class Recorder:
 
 
 def live(task: Task) -> list[Point]:
-    """Pilot and babble; at every stop, everyone imitates. Nothing where the pilot does not find the body."""
-    options = task.config.body(task.body, task.seed)
-    body = body_of(options, task.copies)
-    recorder, points = Recorder(body), []
-    try:
-        found, model = begin(cast(Body, recorder), task.seed)
-    except BabblingError:
-        if task.copies == COPIES:
-            raise
-        return []
+    """Pilot and babble; at every stop, everyone imitates."""
+    options, points, done, before = task.config.body(task.body, task.seed), list[Point](), 0, 0.0
+    body = body_of(options, COPIES)
+    recorder = Recorder(body)
+    found, model = begin(cast(Body, recorder), task.seed)
     lived = [Steps.lived(found, np.array(recorder.told), np.array(recorder.felt))]
-    plan = bouts(task.stops[-1], body) if task.stops[-1] else ()
-    stops = [round(stop / (task.stops[-1] or 1) * len(plan)) for stop in task.stops]
-    for done in range(len(plan) + 1):
-        if done in stops:
-            mind = Mind(body.fingerprint, task.seed, found, model, Temper.cautious(len(model.factors)))
-            minutes = found.minutes + sum(plan[:done]) * task.copies * body.tick_s / 60
-            points.append(perform(task, options, mind, lived, Point(minutes)))
-        if done < len(plan):
+    for stop in task.stops:
+        for ticks in bouts(stop - before, body) if stop > before else ():
             body.reseed(1 + done)
-            motors, senses = experience(body, found, task.seed, done, plan[done])
+            motors, senses = experience(body, found, task.seed, done, ticks)
             found.learn(model, motors, senses)
             lived.append(Steps.lived(found, motors, senses))
+            done += 1
+        mind = Mind(body.fingerprint, task.seed, found, model, Temper.cautious(len(model.factors)))
+        points.append(perform(task, options, mind, lived, Point(found.minutes + stop)))
+        before = stop
     if task.costs:
         points[0].costs.update(costs(options, mind, task.clips))
     return points
@@ -147,19 +138,14 @@ def perform(task: Task, options: BodyOptions, mind: Mind, lived: Sequence[Steps]
     if "replay" in task.models:
         alone = body_of(options, 1, stream=3)
         note("replay", [direct_replay(alone, wanted) for wanted in clips])
-    found: dict[str, FloatArray] = {}
     for name, variants in inverse_models(mind, lived, task.models).items():
-        if name in ("average_map", "average_matching") and "average" in found:
-            best, inverse = found["average"], variants[0]  # as eager as the mean
-        else:
-            best, inverse = rehearsed(options, mind, variants)
-        found[name] = best
+        eagerness, inverse = rehearsed(options, mind, variants)
         attempts = imitate(
             body,
             everything,
             mind,
             inverse=inverse,
-            eagerness=best,
+            eagerness=eagerness,
             attempts=task.attempts if name == "average" else 1,
             rng=np.random.default_rng([options.seed, 8]),
             witness=lambda: body.joint_angles,

@@ -16,13 +16,13 @@ from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.lives import Clips, Point, Task, live
 from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
 from experiments.shared.experiment import Result
-from experiments.shared.minds import COPIES, body_of
+from experiments.shared.minds import body_of
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
 
-GROWING = (0.0, 8 / 3, 32 / 3, 32.0, 292 / 3)
-"""Minutes of babbling after the whole pilot at which the curve has points; before, pilots of fewer copies."""
+GROWING = (0.0, 2 / 3, 8 / 3, 23 / 3, 53 / 3, 143 / 3, 293 / 3)
+"""Minutes of babbling after which the curve has points; the first is the pilot alone (HOAP-2 is not found in less)."""
 CURVE_BODIES = ("ideal", "worn")
 RESAMPLES = 2000
 
@@ -40,20 +40,14 @@ def run(config: Config) -> Result:
         for seed in seeds
     ]
     tasks[0] = tasks[0]._replace(costs=True)
-    growing = [
-        task(body, seed, models=CURVE, stops=GROWING if copies == COPIES else (0.0,), copies=copies)
-        for body in CURVE_BODIES if config.curve
-        for seed in seeds
-        for copies in (COPIES, COPIES // 2, COPIES // 4, COPIES // 8)
-    ]  # fmt: skip
-    lives = in_parallel(growing + tasks, config.workers)
-    grown, [costs, *_] = lives[: len(growing)], [life[0].costs for life in lives[len(growing) :]]
-    lived: dict[str, list[Point]] = {}
-    for one, [point] in zip(tasks, lives[len(growing) :], strict=True):
-        lived.setdefault(one.body, []).append(point)
-    metrics = compare(config, tuple(clips), lived) | costs
+    lives = in_parallel(tasks, config.workers)
+    by_body = {
+        body: [life[0] for one, life in zip(tasks, lives, strict=True) if one.body == body] for body in config.bodies
+    }
+    metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
-        metrics["curve"] = curves(growing, grown)
+        growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
+        metrics["curve"] = curves(growing, in_parallel(growing, config.workers))
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
@@ -113,19 +107,16 @@ def ratio(ours: Sequence[float], theirs: Mapping[str, Sequence[float]]) -> tuple
 
 
 def curves(tasks: Sequence[Task], lives: Sequence[Sequence[Point]]) -> dict[str, dict[str, Any]]:
-    """[minutes, errors of every seed at each] by body and model: means over clips; where every seed's pilot worked."""
-    found: dict[str, dict[float, list[Point]]] = {}
-    for task, points in zip(tasks, lives, strict=True):
-        for point in points:
-            found.setdefault(task.body, {}).setdefault(point.minutes, []).append(point)
-    seeds = tasks[0].config.seeds
-    whole = {b: {m: p for m, p in sorted(at.items()) if len(p) == seeds} for b, at in found.items()}
-    return {
-        body: {
-            name: [list(at), [[float(np.mean(p.errors[name])) for p in some] for some in at.values()]] for name in CURVE
+    """[minutes, errors of every seed at each] by body and model; means over clips."""
+    found: dict[str, dict[str, Any]] = {}
+    for body in dict.fromkeys(task.body for task in tasks):
+        mine = [life for task, life in zip(tasks, lives, strict=True) if task.body == body]
+        at = [list(points) for points in zip(*mine, strict=True)]
+        found[body] = {
+            name: [[same[0].minutes for same in at], [[float(np.mean(p.errors[name])) for p in same] for same in at]]
+            for name in CURVE
         }
-        for body, at in whole.items()
-    }
+    return found
 
 
 def summarise(metrics: Mapping[str, Any], maze: Sequence[maze_benchmark.Row]) -> str:

@@ -213,16 +213,29 @@ def test_a_life_without_peers_is_the_mind_of_every_other_experiment(
     minds: list[Mind] = []
     monkeypatch.setattr(lives, "perform", lambda task, options, mind, lived, point: minds.append(mind))
     config = lives.Config(bodies=(str(arm),), seeds=1)
-    lives.live(lives.Task(config, str(arm), 1, {}, (), (0.5,), copies=8))
+    lives.live(lives.Task(config, str(arm), 1, {}, (), (0.5,)))
     usual = learn_mind(BodyOptions(robot=str(arm), seed=1, threads=1), 0.5, lambda done: None).mind
     np.testing.assert_array_equal(minds[0].forward_model.moments, usual.forward_model.moments)
 
 
-def test_the_curve_keeps_minutes_at_which_every_seed_s_pilot_worked() -> None:
+def test_the_curve_has_every_seed_at_every_number_of_minutes() -> None:
     task = lives.Task(lives.Config(seeds=2), "ideal", 0, {}, (), (0.0,))
-    points = [lives.Point(m, {name: [e, 3 * e] for name in CURVE}) for m, e in ((1.0, 0.2), (2.0, 0.1))]
-    found = curves([task] * 3, [points, [], points[1:]])
-    assert found["ideal"]["table"] == [[2.0], [[0.2, 0.2]]]
+    life = [[lives.Point(m, {name: [e * m, 3 * e * m] for name in CURVE}) for m in (1.0, 2.0)] for e in (0.1, 0.2)]
+    assert curves([task, task], life)["ideal"]["table"] == [[1.0, 2.0], [[0.2, 0.4], [0.4, 0.8]]]
+
+
+def test_a_life_with_stops_ends_as_one_without(arm: Path, hasty: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[tuple[float, int]] = []
+
+    def note(task: object, options: object, mind: Mind, lived: list[Steps], point: lives.Point) -> lives.Point:
+        seen.append((point.minutes - mind.pilot.minutes, sum(len(one.rate) for one in lived)))
+        assert seen[-1][1] == mind.forward_model.sums.samples[0]
+        return point
+
+    monkeypatch.setattr(lives, "perform", note)
+    lives.live(lives.Task(lives.Config(bodies=(str(arm),)), str(arm), 1, {}, (), (0.0, 0.1, 0.5)))
+    assert [minutes for minutes, _ in seen] == pytest.approx([0, 0.1, 0.5])
+    assert [rows - seen[0][1] for _, rows in seen] == [0, 304, 1504]  # whole ticks of 8 copies, 50 a second
 
 
 def test_an_unknown_model_or_body_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
