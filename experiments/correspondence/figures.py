@@ -1,7 +1,5 @@
 """Figures of `imitate correspondence`."""
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -47,7 +45,7 @@ def structure(done: Studied) -> Figure:
 
 def teachers(done: Studied) -> Figure:
     """Error of every teacher: oracle, clean eyes, noisy eyes."""
-    names = [name if len(name) < 30 else Path(name).stem for name in done.rows]
+    names = [row.label for row in done.rows.values()]
     figure = Figure(figsize=(10, 0.55 * len(names) + 2.2), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     place = np.arange(len(names))
@@ -99,16 +97,10 @@ def tries(done: Studied) -> Figure:
     left.set_xlabel("identified")
     left.set_ylabel("moved")
     left.set_title(f"which part: {done.acts.rate:.1%} of {len(done.acts.truth)} acts", fontsize=10)
-    errors = done.acts.errors_deg
-    number = np.arange(errors.shape[1])
-    for low, high, shade in ((0.1, 0.9, 0.15), (0.25, 0.75, 0.3)):
-        right.fill_between(number, np.quantile(errors, low, axis=0), np.quantile(errors, high, axis=0), color=OURS,
-                           alpha=shade, lw=0, label=f"{round(100 * (high - low))} % of acts")  # fmt: skip
-    right.plot(number, np.median(errors, axis=0), "o-", color=OURS, label="median")
-    right.set_xticks(number, ["at rest", *map(str, number[1:])])
-    right.set_xlabel("try")
-    right.set_ylabel("the part points off by [deg]")
-    right.set_title("then how to move it: error against tries", fontsize=10)
-    right.set_ylim(bottom=0)
-    right.legend(frameon=False)
+    number = np.arange(float(done.acts.errors_deg.shape[1]))
+    low, median, high = np.quantile(done.acts.errors_deg, (0.1, 0.5, 0.9), axis=0)
+    right.fill_between(number, low, high, color=OURS, alpha=0.2, lw=0, label="80 % of acts")
+    labels = "try (0: at rest)", "the part points off by [deg]"
+    learning_curve(number, {"median": median}, labels, "then how to move it: error against tries", onto=right)
+    right.set_xticks(number)
     return figure

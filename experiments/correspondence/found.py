@@ -1,6 +1,7 @@
 """What a study of correspondences came to."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from babbling.axes import FloatArray
 from experiments.correspondence.acts import Acts
@@ -19,6 +20,12 @@ class Row:
     oracle: Retargeted
     clean: Retargeted
     noisy: Retargeted
+
+    @property
+    def label(self) -> str:
+        """Who is seen, for people; of a file its name."""
+        name = self.performance.name
+        return f"{name if len(name) < 30 else Path(name).stem} ({self.performance.teacher})"
 
     def error_deg(self, who: Retargeted) -> float:
         """Mean over the parts and frames that inverse kinematics can reach."""

@@ -9,13 +9,7 @@ import rerun.blueprint as rrb
 from experiments.correspondence.found import Studied
 from experiments.shared import views
 from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
-from experiments.shared.recording import (
-    heat_map,
-    log_picture,
-    log_series,
-    recording,
-    ticks,
-)
+from experiments.shared.recording import heat_map, log_picture, log_series, log_states, recording, ticks
 from experiments.shared.side_by_side import BESIDE, log_imitator, log_teacher
 from imitation.correspondence.organ import identify
 from models.shapes import parts as shapes
@@ -85,10 +79,7 @@ def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
         identify(done.noisy.image.organs, seen[max(t - window, 0) : t + 1], tick) for t in range(window, len(seen))
     ]
     labels = [names[organ.part] for organ in found]
-    changes = [0] + [t for t in range(1, len(labels)) if labels[t] != labels[t - 1]]
-    stream.log("organ/identified", rr.StateConfiguration(values=list(names), labels=list(names)), static=True)
-    index = [rr.TimeColumn("sim_time", duration=(np.array(changes) + window) * tick)]
-    stream.send_columns("organ/identified", index, rr.StateChange.columns(state=[labels[t] for t in changes]))
+    log_states(stream, "organ/identified", dict.fromkeys(names), labels, tick, window)
     probability = np.stack([organ.probability for organ in found])
     often = np.argsort(-probability.mean(0))[:5]
     for place, colour in zip(often, SERIES, strict=True):

@@ -1,7 +1,6 @@
 """Whose body is this? A mirror, organ identification, and everybody's movements in one's own limbs (2.2, 3.2, 3.5)."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,8 @@ from babbling.errors import BabblingError
 from babbling.files import load, save
 from babbling.mind import Mind
 from babbling.mirroring import MirrorExperience
-from babbling.organs import Organs, find_organs
-from babbling.pilot import Pilot, pilot
+from babbling.organs import find_organs
+from babbling.pilot import pilot
 from experiments.correspondence.acts import HARDER, RULES, act_study, harder_acts
 from experiments.correspondence.figures import figures
 from experiments.correspondence.found import Row, Studied
@@ -48,75 +47,53 @@ def run(config: Config) -> Result:
         found = pilot(body_of(options, minds.COPIES), config.seed)
     with progress("looks into a mirror") as report:
         experience = look_into_mirror(options, found, config.mirror_minutes, report=report)
-    blurry = blur(experience, config)
+    noise = float(np.deg2rad(config.seeing_noise_deg))
+    seen = blurred(experience.directions, noise, np.random.default_rng([config.seed, 15]))
+    blurry = replace(experience, directions=seen)
     clean, noisy = (
         Pupil(body, found, image_of(one, options, found), noise, config.parts == "named")
         for one, noise in ((experience, 0.0), (blurry, config.seeing_noise_deg))
     )
     rng = np.random.default_rng([config.seed, 14])
     rows = {
-        name: Row(
-            performance,
-            retarget(performance, body.tick_s),
-            clean.follow(performance, rng),
-            noisy.follow(performance, rng),
-        )
-        for name, performance in performances.items()
+        name: Row(seen, retarget(seen, body.tick_s), clean.follow(seen, rng), noisy.follow(seen, rng))
+        for name, seen in performances.items()
     }
     shown = rows.get(config.shown) or next(iter(rows.values()))
     curve = learning_curve(config, options, shown, [(clean, experience), (noisy, blurry)])
     hidden = hide_parts(noisy, rows, rng)
     acts = act_study(noisy, config.acts, config.tries, config.seed)
     with progress("harder acts") as report:
-        organs = [noisy.image.organs, *(others_organs(config, options, found, k) for k in range(1, config.learners))]
+        others = (replace(options, seed=options.seed + k) for k in range(1, config.learners))
+        looks = (look_into_mirror(one, found, config.mirror_minutes, config.seeing_noise_deg) for one in others)
+        organs = [noisy.image.organs, *map(find_organs, looks)]
         harder = harder_acts(organs, config.harder_acts, body.tick_s, config.seed, report)
     done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts, harder)
     metrics = measure(done)
     summary = summarise(metrics, rows)
     labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
-    return Result(
-        metrics,
-        summary,
-        figures(done),
-        lambda path: record(path, done, summary),
-        {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)},
-    )
-
-
-def others_organs(config: Config, options: BodyOptions, found: Pilot, number: int) -> Organs:
-    """What another learner finds in the mirror, with noisy eyes."""
-    other = replace(options, seed=options.seed + number)
-    return find_organs(look_into_mirror(other, found, config.mirror_minutes, config.seeing_noise_deg))
-
-
-def blur(experience: MirrorExperience, config: Config) -> MirrorExperience:
-    """The same moments in front of the mirror, seen with noise."""
-    rng = np.random.default_rng([config.seed, 15])
-    seen = blurred(experience.directions, float(np.deg2rad(config.seeing_noise_deg)), rng)
-    return replace(experience, directions=seen)
+    files = {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)}
+    return Result(metrics, summary, figures(done), lambda path: record(path, done, summary), files)
 
 
 def learning_curve(
     config: Config, options: BodyOptions, row: Row, looks: list[tuple[Pupil, MirrorExperience]]
 ) -> FloatArray:
     """(K, 3) minutes, and error on the shown demonstration with clean and noisy eyes; NaN where organs stay unknown."""
-    points: list[list[float]] = []
+
+    def error_deg(pupil: Pupil, part: MirrorExperience) -> float:
+        try:
+            younger = replace(pupil, image=image_of(part, options, pupil.pilot))
+        except BabblingError:
+            return np.nan
+        return row.error_deg(younger.follow(row.performance, np.random.default_rng([config.seed, 16])))
+
+    points = dict[float, list[float]]()
     for minutes in config.mirror_minutes * 0.5 ** np.arange(CURVE_POINTS)[::-1]:
-        point = [0.0]
-        for pupil, experience in looks:
-            part = experience.first(float(minutes))
-            point[0] = part.minutes
-            if points and point[0] <= points[-1][0]:  # no shorter than one cycle of leap and acts
-                continue
-            try:
-                younger = replace(pupil, image=image_of(part, options, pupil.pilot))
-                rng = np.random.default_rng([config.seed, 16])
-                point.append(row.error_deg(younger.follow(row.performance, rng)))
-            except BabblingError:
-                point.append(np.nan)
-        if len(point) == 3:
-            points.append(point)
-    return np.array(points)
+        parts = [(pupil, experience.first(float(minutes))) for pupil, experience in looks]
+        if (at := parts[0][1].minutes) not in points:  # no shorter than one cycle of leap and acts
+            points[at] = [error_deg(*each) for each in parts]
+    return np.array([[at, *errors] for at, errors in points.items()])
 
 
 def hide_parts(pupil: Pupil, rows: dict[str, Row], rng: np.random.Generator) -> FloatArray:
@@ -139,9 +116,9 @@ def hide_parts(pupil: Pupil, rows: dict[str, Row], rng: np.random.Generator) -> 
 
 def measure(done: Studied) -> dict[str, Any]:
     """The numbers of metrics.json."""
-    image, acts, hidden, tick_s = done.clean.image, done.acts, done.hidden, done.clean.body.tick_s
+    image, acts, hidden = done.clean.image, done.acts, done.hidden
     learned = [who for row in done.rows.values() for who in (row.clean, row.noisy)]
-    speeds = [who.speeds(tick_s) for who in learned]
+    speeds = [who.speeds(done.clean.body.tick_s) for who in learned]
     per_frame = [1e3 * who.found.seconds / len(who.angles) for who in learned]
     teachers = {
         name: {
@@ -151,7 +128,6 @@ def measure(done: Studied) -> dict[str, Any]:
             "unreachable_frames": int((~row.oracle.found.reachable).sum()),
             "frames": len(row.clean.angles),
             **{kind: (share + row.noisy.recognised[kind]) / 2 for kind, share in row.clean.recognised.items()},
-            "speed_q999": max(float(np.quantile(who.speeds(tick_s), 0.999)) for who in (row.clean, row.noisy)),
         }
         for name, row in done.rows.items()
     }
@@ -189,23 +165,23 @@ def measure(done: Studied) -> dict[str, Any]:
 
 def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
     """The result as a markdown table, with a line before and after it."""
-    shown_rows = []
-    for name, row in rows.items():
-        one = metrics["teachers"][name]
-        label = name if len(name) < 30 else Path(name).stem
-        learned = f"{one['learned_deg']:.3f} deg", f"{one['learned_noisy_deg']:.2f} deg"
-        shown_rows.append((f"{label} ({row.performance.teacher})", f"{one['ik_deg']:.3f} deg", *learned))
+    shown = [
+        (
+            row.label,
+            *(f"{metrics['teachers'][name][who]:.3f}" for who in ("ik_deg", "learned_deg", "learned_noisy_deg")),
+        )
+        for name, row in rows.items()
+    ]
     harder = []
     for name, one in metrics["organ_harder"].items():
         gaps = (
             f"{100 * mean:+.1f} ({100 * low:.1f} to {100 * high:.1f})" for mean, low, high in one["beyond"].values()
         )
         harder.append((HARDER[name][0], " ".join(f"{100 * r:.0f}" for r in one[RULES[0]]["right"]) + " %", *gaps))
-    noise = f"learned, {metrics['seeing_noise_deg']:g} deg of noise"
     return (
         f"**Whose body is this?** {metrics['mirror_body_minutes']:.1f} body-minutes in front of a mirror, "
         f"{metrics['organ_identification_rate']:.1%} of single acts put to the right part\n\n"
-        f"{table(shown_rows, ('teacher', 'inverse kinematics', 'learned', noise))}\n\n"
+        f"{table(shown, ('teacher', 'inverse kinematics [deg]', 'learned', 'with noisy eyes'))}\n\n"
         f"Fastest sub-goals (99.9 %): {metrics['sub_goal_speed_q999']:.2f} rad/s. "
         f"One frame, all limbs: {metrics['correspond_p50_ms']:.2f} ms. A part hidden for a second: error x "
         f"{metrics['hidden_error_ratio']:.2f} at worst. Single acts: {metrics['first_try_error_deg']:.1f} deg at the "

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from babbling.axes import Axis
 from experiments.gaze.infer import infer
 from experiments.gaze.trials import TOYS, Trials, Watcher, run_trials
 from experiments.shared.judging import alike, difference, interval_95
 from imitation.gaze.reader import EyeLore
+from imitation.inference.selection import select_matching
 from imitation.seeing.finding import Finder
 from models.biclops.cloth import through_cloth
 from models.retina import Image
@@ -78,26 +80,18 @@ def covered_eyes(
 
 
 def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Generator) -> dict[str, Any]:
-    covered = ~trials.eyes_seen
-    belief = {state: lore.sees(state) for state in (False, True)}
-    looked = np.empty(len(covered), int)
-    for state in (False, True):
-        mine = np.flatnonzero(covered == state)
-        if not len(mine):
-            continue
-        probability = infer(who, trials.rows(mine), TOYS, sees=belief[state][0])
-        ladder = np.cumsum(probability, 1)
-        looked[mine] = (ladder < rng.random((len(mine), 1)) * ladder[:, -1:]).sum(1)
-    hits = int((looked == trials.target).sum())
-    n = len(covered)
+    belief = {seen: lore.sees(not seen) for seen in (True, False)}
+    sees = np.where(trials.eyes_seen, belief[True][0], belief[False][0])
+    looked = select_matching(infer(who, trials, TOYS, sees=sees), Axis.categorical("toy", TOYS), rng)
+    hits, n, mostly = int((looked == trials.target).sum()), len(looked), bool(trials.eyes_seen.mean() >= 0.5)
     return {
         "rate": hits / n,
         "hits": hits,
         "interval_95": interval_95(hits, n),
         "n": n,
         "eyes_seen": float(trials.eyes_seen.mean()),
-        "believed_to_see": belief[bool(covered.mean() > 0.5)][0],
-        "tried_with_own_eyes": belief[bool(covered.mean() > 0.5)][1],
+        "believed_to_see": belief[mostly][0],
+        "tried_with_own_eyes": belief[mostly][1],
     }
 
 

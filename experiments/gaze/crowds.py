@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import softmax
 
 from babbling.axes import FloatArray, IntArray
 from experiments.gaze.infer import infer, preferences
@@ -66,9 +67,8 @@ class Simple(NamedTuple):
     def read(self, looks: FloatArray, pose: FloatArray) -> FloatArray:
         """(N, G) n_k exp(-|pose - line_k|^2 / 2 spread^2) / sum."""
         line = np.pad(looks, ((0, 0), (0, 0), (1, 0)), constant_values=1.0) @ self.slope
-        power = np.log(self.counts) - ((pose[:, None] - line) ** 2).sum(-1) / (2 * self.spread**2)
-        weight = np.exp(power - power.max(1, keepdims=True))
-        return np.asarray(weight / weight.sum(1, keepdims=True))
+        away = ((pose[:, None] - line) ** 2).sum(-1)
+        return np.asarray(softmax(np.log(self.counts) - away / (2 * self.spread**2), axis=1))
 
 
 class Crowds(NamedTuple):

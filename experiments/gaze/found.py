@@ -2,9 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from experiments.gaze.crowds import Crowds
-from experiments.gaze.infer import Judged
 from experiments.gaze.scene import Following
 from experiments.gaze.trials import Trials, Watcher
 from imitation.gaze.reader import Preferences
@@ -16,9 +15,12 @@ class Found(NamedTuple):
     who: Watcher
     trials: Trials
     """Clear ones, whose toys were followed."""
-    clear: Judged
-    alone: Judged
-    preferred: Judged
+    clear: BoolArray
+    """(N,) whether the most probable toy was the one looked at."""
+    alone: BoolArray
+    """The same of close pairs, by gaze alone."""
+    preferred: BoolArray
+    """By gaze and learned preferences."""
     likes: Preferences
     calibration: FloatArray
     """(bins, 3) confidence, accuracy, count."""

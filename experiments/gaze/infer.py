@@ -1,21 +1,10 @@
-"""Inference and judgement over many trials."""
-
-from typing import NamedTuple
+"""Inference over many trials."""
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import FloatArray
 from experiments.gaze.trials import Trials, Watcher, located
 from imitation.gaze.reader import Preferences
-
-
-class Judged(NamedTuple):
-    """N trials, inferred."""
-
-    probability: FloatArray
-    """(N, G) P(g); zero for what was not seen."""
-    right: BoolArray
-    """(N,) whether the most probable toy was the one looked at."""
 
 
 def infer(
@@ -23,11 +12,10 @@ def infer(
     trials: Trials,
     toys: tuple[str, ...],
     likes: Preferences | None = None,
-    *,
-    even: bool = False,
-    sees: float = 1.0,
+    sees: FloatArray | None = None,
 ) -> FloatArray:
-    """(N, G) Eq. (2) for each trial, over the toys that were seen in both eyes; prior: salience and preferences."""
+    """(N, G) Eq. (2) for each trial, over the toys that were seen in both eyes, 0 for the others; prior: salience and
+    preferences; `sees` (N,) P(the teacher sees), 1 if not given."""
     places = located(trials, who.gaze.geometry)
     probability = np.zeros(places.shape[:2])
     for i in range(len(places)):
@@ -35,20 +23,13 @@ def infer(
         if not len(there):
             continue
         labels = tuple(toys[k] for k in there)
-        salience = np.ones(len(there)) if even else trials.salience[i, there]
-        probability[i, there] = prior = (likes or Preferences()).prior(labels, salience)
+        probability[i, there] = prior = (likes or Preferences()).prior(labels, trials.salience[i, there])
         if np.isfinite(trials.pose[i]).all():
-            posterior = who.gaze.read(trials.pose[i], places[i, there], who.head, prior, sees)
+            posterior = who.gaze.read(
+                trials.pose[i], places[i, there], who.head, prior, 1.0 if sees is None else sees[i]
+            )
             probability[i, there] = posterior.probability if posterior.informed else prior
     return probability
-
-
-def judge(
-    who: Watcher, trials: Trials, toys: tuple[str, ...], likes: Preferences | None = None, *, even: bool = False
-) -> Judged:
-    """Infer and compare with the truth."""
-    probability = infer(who, trials, toys, likes, even=even)
-    return Judged(probability, probability.argmax(1) == trials.target)
 
 
 def preferences(who: Watcher, trials: Trials, toys: tuple[str, ...]) -> Preferences:

@@ -14,21 +14,11 @@ from experiments.gaze.covered import covered_eyes
 from experiments.gaze.crowds import crowds
 from experiments.gaze.figures import figures
 from experiments.gaze.found import Found
-from experiments.gaze.infer import infer, judge, preferences
+from experiments.gaze.infer import infer, preferences
 from experiments.gaze.options import Config
 from experiments.gaze.recording import record
 from experiments.gaze.scene import episode
-from experiments.gaze.trials import (
-    COPIES,
-    PAIR,
-    TOYS,
-    Watcher,
-    lesson_for_gaze,
-    run_trials,
-    shown,
-    table_body,
-    view,
-)
+from experiments.gaze.trials import COPIES, PAIR, TOYS, Watcher, lesson_for_gaze, run_trials, shown, table_body, view
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
@@ -68,17 +58,18 @@ def run(config: Config) -> Result:
         clear_trials = run_trials(
             body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
         )
-    clear = judge(who, clear_trials, TOYS)
+    clear = infer(who, clear_trials, TOYS).argmax(1) == clear_trials.target
     with progress("a teacher with preferences") as report:
         meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE, report=report)
         likes = preferences(who, meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0)), PAIR)
         close = meet(counts["pairs"], apart_deg=(5.7, 6.3))
-    alone = judge(who, close, PAIR, even=True)
-    preferred = judge(who, close, PAIR, likes)
+    plain = close._replace(salience=np.ones_like(close.salience))
+    alone = infer(who, plain, PAIR).argmax(1) == close.target
+    preferred = infer(who, close, PAIR, likes).argmax(1) == close.target
     with progress("calibration") as report:
         many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
-    judged = judge(who, many, TOYS, preferences(who, lessons, TOYS))
-    error, bins = calibration_error(judged.probability.max(1), judged.right)
+    belief = infer(who, many, TOYS, preferences(who, lessons, TOYS))
+    error, bins = calibration_error(belief.max(1), belief.argmax(1) == many.target)
     with progress("covered eyes") as report:
         covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
     close_by = None
@@ -92,13 +83,8 @@ def run(config: Config) -> Result:
     summary = _summary(metrics)
     labels = {"motor": head_of(config.robot).motors}
     files = {"eyes.nc": lambda path: save(mind, path, labels, robot=config.robot, seed=config.seed)}
-    return Result(
-        metrics,
-        summary,
-        figures(found),
-        lambda path: record(path, config.robot, found.episode, summary, config.seed),
-        files,
-    )
+    recorded = partial(record, robot=config.robot, one=found.episode, summary=summary, seed=config.seed)
+    return Result(metrics, summary, figures(found), recorded, files)
 
 
 def _check(config: Config) -> FloatArray | None:
@@ -145,19 +131,19 @@ def _pupil(config: Config) -> Watcher:
 
 def _metrics(config: Config, found: Found) -> dict[str, Any]:
     looked, gaze = found.trials.looked, found.who.gaze
-    gain = found.preferred.right.astype(float) - found.alone.right.astype(float)
+    gain = found.preferred.astype(float) - found.alone.astype(float)
     half = 1.96 * gain.std(ddof=1) / np.sqrt(len(gain))
     prior = found.likes.prior(PAIR, np.ones(2))
     return {
         "robot": config.robot,
         "babbling_body_minutes": found.who.eyes.minutes,
-        "gaze_trials": len(found.clear.right),
+        "gaze_trials": len(found.clear),
         "gaze_accuracy": float((looked[:, 0] == found.trials.target).mean()),
-        "gaze_inferred_accuracy": float(found.clear.right.mean()),
+        "gaze_inferred_accuracy": float(found.clear.mean()),
         "gaze_looked_px": float(np.nanmedian(looked[:, 1])),
         "gaze_ambiguous_trials": len(gain),
-        "gaze_accuracy_ambiguous_alone": float(found.alone.right.mean()),
-        "gaze_accuracy_ambiguous_with_preferences": float(found.preferred.right.mean()),
+        "gaze_accuracy_ambiguous_alone": float(found.alone.mean()),
+        "gaze_accuracy_ambiguous_with_preferences": float(found.preferred.mean()),
         "gaze_preference_margin": float(gain.mean()),
         "gaze_preference_margin_95": [float(gain.mean() - half), float(gain.mean() + half)],
         "gaze_learned_preference": float(prior[1]),
@@ -172,28 +158,26 @@ def _metrics(config: Config, found: Found) -> dict[str, Any]:
 
 
 def _summary(metrics: dict[str, Any]) -> str:
-    low, high = metrics["gaze_preference_margin_95"]
-    rates, alike = metrics["gaze_blindfold"]["rates"], metrics["gaze_blindfold"]["equivalence"]
+    m, low_high = metrics, metrics["gaze_preference_margin_95"]
+    rates, alike = m["gaze_blindfold"]["rates"], m["gaze_blindfold"]["equivalence"]
     rows = [
-        (f"{metrics['gaze_trials']} trials, 4 toys at least 15 deg apart",
-         f"looked at the right one in {100 * metrics['gaze_accuracy']:.1f} %, {metrics['gaze_looked_px']:.2f} px from "
-         "the middle"),
-        (f"{metrics['gaze_ambiguous_trials']} pairs 6 deg apart",
-         f"gaze alone {100 * metrics['gaze_accuracy_ambiguous_alone']:.1f} %, with learned preferences "
-         f"{100 * metrics['gaze_accuracy_ambiguous_with_preferences']:.1f} %: "
-         f"{100 * metrics['gaze_preference_margin']:+.1f} "
-         f"(95 %: {100 * low:.1f} to {100 * high:.1f})"),
-        (f"calibration over {metrics['gaze_calibration_trials']} trials",
-         f"expected calibration error {metrics['gaze_calibration_error']:.3f}"),
-        *((f"followed, {name}", f"blindfold {100 * row['blindfold']['rate']:.0f} %, headband "
-           f"{100 * row['headband']['rate']:.0f} %") for name, row in rates.items()),
-        (f"blindfold and headband within {100 * alike['margin']:.0f} points at 12 months", f"p = {alike['p']:.2g}"),
-    ]  # fmt: skip
-    for name, sweep in metrics.get("gaze_crowds", {}).items():
+        (f"looked at the right one of 4 toys, {m['gaze_trials']} trials", f"{m['gaze_accuracy']:.1%}"),
+        ("how far from the middle", f"{m['gaze_looked_px']:.2f} px"),
+        (f"{m['gaze_ambiguous_trials']} pairs 6 deg apart, gaze alone", f"{m['gaze_accuracy_ambiguous_alone']:.1%}"),
+        ("with learned preferences", f"{m['gaze_accuracy_ambiguous_with_preferences']:.1%}"),
+        ("more by, 95 %", " to ".join(f"{share:+.1%}" for share in low_high)),
+        (f"calibration error, {m['gaze_calibration_trials']} trials", f"{m['gaze_calibration_error']:.3f}"),
+        *(
+            (f"followed, {name}", ", ".join(f"{cloth} {one['rate']:.0%}" for cloth, one in row.items()))
+            for name, row in rates.items()
+        ),
+        (f"blindfold and headband within {alike['margin']:.0%} at 12 months", f"p = {alike['p']:.2g}"),
+    ]
+    for name, sweep in m.get("gaze_crowds", {}).items():
         gaps = (
             f"{100 * m:+.1f} ({100 * a:.1f} to {100 * b:.1f}) on {rule}" for rule, (m, a, b) in sweep["beyond"].items()
         )
-        less = metrics["gaze_crowds_less_log_loss"][name].items()
+        less = m["gaze_crowds_less_log_loss"][name].items()
         loss = ", ".join(f"{m:.3f} ± {half:.3f} than {who}" for who, (m, half) in less)
         rows.append((f"beads, {name}", f"points: {'; '.join(gaps)}. Log loss less by {loss}"))
-    return f"# {metrics['robot']} follows gaze\n\n{table(rows)}\n"
+    return f"# {m['robot']} follows gaze\n\n{table(rows)}\n"

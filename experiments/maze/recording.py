@@ -20,7 +20,7 @@ from experiments.maze.found import Found
 from experiments.maze.mind import places_of
 from experiments.shared import views
 from experiments.shared.palette import light
-from experiments.shared.recording import log_series, recording, ticks
+from experiments.shared.recording import log_series, log_states, recording, ticks
 from models.maze import ACTIONS, STEPS, Maze
 
 WALL_HEIGHT, WALL_WIDTH = 0.55, 0.07
@@ -89,11 +89,7 @@ def _log_imitation(stream: rr.RecordingStream, done: Found) -> None:
     for action, colour, series in zip(ACTIONS, ACTION_COLOURS, posterior.T, strict=True):
         log_series(stream, f"actions/posterior/{action}", series, 1.0, action, light(colour))
     events = np.select([decisions.forward_alone[:steps, 0], decisions.backtracking[:steps, 0]], [2, 1], 0)
-    changes = np.flatnonzero(np.diff(events, prepend=-1))
-    names, lights = list(EVENTS), list(EVENTS.values())
-    stream.log("actions/mode", rr.StateConfiguration(values=names, labels=names, colors=lights), static=True)
-    begun = rr.TimeColumn("step", sequence=changes)
-    stream.send_columns("actions/mode", [begun], rr.StateChange.columns(state=[names[k] for k in events[changes]]))
+    log_states(stream, "actions/mode", EVENTS, [list(EVENTS)[k] for k in events], 1.0)
 
 
 def _log_watching(stream: rr.RecordingStream, done: Found) -> None:

@@ -4,7 +4,7 @@ Episodes are buffered and sent once, column by column: a recording is then small
 """
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -62,6 +62,23 @@ def log_series(
     """One scalar per tick."""
     stream.log(entity, rr.SeriesLines(names=label, colors=[colour], widths=width), static=True)
     stream.send_columns(entity, ticks(len(values), tick_s), rr.Scalars.columns(scalars=np.asarray(values, float)))
+
+
+def log_states(
+    stream: rr.RecordingStream,
+    entity: str,
+    colours: Mapping[str, tuple[int, int, int] | None],
+    states: Sequence[str],
+    tick_s: float,
+    begin: int = 0,
+) -> None:
+    """Which of several states, by name, it is in at each tick from `begin` on."""
+    changes = [t for t, state in enumerate(states) if t == 0 or state != states[t - 1]]
+    lights = [light for light in colours.values() if light]
+    stream.log(entity, rr.StateConfiguration(values=[*colours], labels=[*colours], colors=lights or None), static=True)
+    at = np.array(changes) + begin
+    index = [rr.TimeColumn("sim_time", duration=at * tick_s), rr.TimeColumn("step", sequence=at)]
+    stream.send_columns(entity, index, rr.StateChange.columns(state=[states[t] for t in changes]))
 
 
 def log_body(
