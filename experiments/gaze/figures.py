@@ -59,12 +59,12 @@ def calibration(bins: FloatArray, error: float) -> Figure:
     """How often the most probable object was right, against how probable it was."""
     figure = Figure(figsize=(5.2, 4.8), layout="constrained")
     axes, counts = figure.subplots(2, 1, height_ratios=[3, 1], sharex=True)
-    there = bins[:, 2] > 0
-    low = np.sqrt(np.maximum(bins[there, 1] * (1 - bins[there, 1]), 0.02) / bins[there, 2]) * 1.96
+    sure, right, count = bins[bins[:, 2] > 0].T
+    half = np.sqrt(np.maximum(right * (1 - right), 0.02) / count) * 1.96
     axes.plot([0, 1], [0, 1], color="0.7", lw=1)
-    axes.errorbar(bins[there, 0], bins[there, 1], low, fmt="o", color=OURS, capsize=3, lw=1)
+    axes.errorbar(sure, right, half, fmt="o", color=OURS, capsize=3, lw=1)
     axes.set(ylabel="share that was right", title=f"calibration error {error:.3f}", ylim=(0, 1.1))
-    counts.bar(bins[there, 0], bins[there, 2], 0.05, color="0.6")
+    counts.bar(sure, count, 0.05, color="0.6")
     counts.set(xlabel="P of the most probable object", ylabel="trials", xlim=(0.2, 1.02))
     return figure
 

@@ -15,7 +15,7 @@ import numpy as np
 from babbling.axes import BoolArray, IntArray
 from experiments.maze.mind import Experience, population
 from experiments.maze.peers import MANY, best_acts, copied, q_learners, replayed
-from experiments.maze.planners import PATIENCE, Explorers, arrivals, least_steps, wanderers
+from experiments.maze.planners import PATIENCE, arrivals, least_steps, wanderers
 from experiments.maze.rerouting import Replanning, Rerouting, Walks, in_turn
 from experiments.maze.worlds import moved_wall, new_goal
 from experiments.shared.judging import intervals_95
@@ -72,8 +72,9 @@ def _everybody(
     limit = int(PATIENCE * least_steps(after, TRUE_DYNAMICS, end))
     number = int(np.random.SeedSequence(seed).generate_state(1)[0])
 
-    def explorers() -> Explorers:
-        return next(wanderers(maze, LEARNERS, (OWN_STEPS,), number))
+    we = next(wanderers(maze, LEARNERS, (OWN_STEPS,), number))
+    watching = deepcopy(we)
+    watching.watch(few.episodes)
 
     def walked(follower: Follower, walks: int = WALKS) -> Walks:
         return in_turn(follower, after, walks, limit, seed)
@@ -84,16 +85,14 @@ def _everybody(
     successor = prior = first = None
     if goal is not None:
         successor, prior = few.remembered(goal)
-        we, first = explorers(), replayed(few.towards(goal), maze.cells)
+        first = replayed(few.towards(goal), maze.cells)
         chapter = Follower(we.model, we.places, successor, end, prior, copies=LEARNERS)
         found["imitation, going on as shown"] = walked(chapter, 1)
         found["copying"] = [(0.0, judged(copied(few, goal)))]
         found[f"cloning, {MANY} demonstrations"] = [(0.0, judged(copied(many, goal, nearest=True)))]
         first = next(q_learners(maze, np.array([end]), LEARNERS, (OWN_STEPS,), number, first))
-    watching = explorers()
-    watching.watch(few.episodes)
     found["imitation"] = walked(Rerouting(deepcopy(watching), end, successor, prior))
-    found["value iteration, replanning"] = walked(Replanning(explorers(), end))
+    found["value iteration, replanning"] = walked(Replanning(we, end))
     found["value iteration that watched"] = walked(Replanning(watching, end))
     values = q_learners(after, np.array([end]), LEARNERS, Q_STEPS, number, first)
     found["Q-learning from demonstrations"] = [

@@ -145,8 +145,6 @@ def learning_curve(curve: Convergence) -> Figure:
     wide = len(curve.per_visit) >= 3
     figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")
     axes = figure.add_subplot(1, 2 if wide else 1, 1)
-    if (curve.low < curve.high).any():
-        axes.fill_between(curve.steps, curve.low, curve.high, color=OURS, alpha=0.18, lw=0, label="8 walkers of 10")
     lines = {"learned rows": curve.tv, "multinomial bound": curve.bound}
     labels = ("wandering steps", "mean total variation per row")
     draw_curve(curve.steps.astype(float), lines, labels, log=True, onto=axes)

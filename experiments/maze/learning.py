@@ -14,19 +14,13 @@ from models.maze import TRUE_DYNAMICS, Maze, MazeBody
 
 @dataclass(frozen=True, eq=False)
 class Convergence:
-    """How learned rows came closer to the truth, by wandering steps; rows nobody tried are left out and counted."""
+    """How learned rows came closer to the truth, by wandering steps; rows nobody tried are left out."""
 
     steps: IntArray
     tv: FloatArray
     """Mean total variation between learned and true rows."""
     bound: FloatArray
     """Mean of what counting as many draws of the true rows is expected to be off."""
-    low: FloatArray
-    """10 % quantile of a walker's mean total variation."""
-    high: FloatArray
-    """90 % quantile."""
-    untried: IntArray
-    """Rows without a visit, over all walkers."""
     per_visit: FloatArray
     """(N, 2) visits and total variation, averaged over rows with about as many visits."""
 
@@ -67,14 +61,12 @@ def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> t
             return
         tv = np.abs(model.predictive - TRUE_DYNAMICS).sum(-1) / 2
         bound = expected_distance(TRUE_DYNAMICS, np.where(tried, visits, 1.0))
-        means = np.divide((tv * tried).sum(1), tried.sum(1), out=np.full(copies, tv[tried].mean()), where=tried.any(1))
-        points.append((now, tv[tried].mean(), bound[tried].mean(), *np.quantile(means, [0.1, 0.9]), (~tried).sum()))
+        points.append((now, tv[tried].mean(), bound[tried].mean()))
         rows.append(np.stack([visits[tried], tv[tried]]))
 
     model = babble(body, wanderer(body, alone=copies > 1), plan, seed, after_bout=look)
-    at, tv, bound, low, high, untried = np.array(points, float).reshape(-1, 6).T
-    per_visit = _by_visits(*np.concatenate(rows, axis=1))
-    return model, Convergence(at.astype(int), tv, bound, low, high, untried.astype(int), per_visit)
+    at, tv, bound = np.array(points, float).reshape(-1, 3).T
+    return model, Convergence(at.astype(int), tv, bound, _by_visits(*np.concatenate(rows, axis=1)))
 
 
 def _by_visits(visits: FloatArray, tv: FloatArray) -> FloatArray:

@@ -54,9 +54,8 @@ class Experience:
 
     def fewer(self, demonstrations: int) -> "Experience":
         """As if only so many of each goal had been watched."""
-        goals = range(1, len(self.maze.goals) + 1)
-        own = zip(*(self.towards(goal) for goal in goals), strict=True)
-        few = tuple(tuple(e for shown in mine for e in shown[:demonstrations]) for mine in own)
+        shown = [self.towards(goal) for goal in range(1, len(self.maze.goals) + 1)]
+        few = tuple(tuple(e for mine in own for e in mine[:demonstrations]) for own in zip(*shown, strict=True))
         return Experience(self.body, self.forward_model, few)
 
     def remembered(self, goal: int) -> tuple[IntArray, FloatArray]:

@@ -5,7 +5,6 @@ and the observer's belief about where it leads.
 """
 
 import io
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -33,7 +32,7 @@ EVENTS = {"sub-goal": (102, 161, 130), "backtracking": (237, 174, 73), "forward 
 def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
     """Write the recording, blueprint inside."""
     name = f"maze, goal {done.config.goal}"
-    with recording(path, "imitate-maze", name, _layout(done, figures), _as_list(summary), "step") as stream:
+    with recording(path, "imitate-maze", name, _layout(done, figures), summary, "step") as stream:
         for name, figure in figures.items():
             picture = io.BytesIO()
             figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
@@ -162,12 +161,6 @@ def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Vertical:
         ),
         row_shares=[1.7, 1],
     )
-
-
-def _as_list(markdown: str) -> str:
-    """Tables of two columns as lists: the viewer does not break the lines of a table."""
-    heads = re.compile(r"^\| ?\S* \| ?\S* \|\n\| --- \| --- \|\n", re.M)
-    return re.sub(r"^\| (.*?) \| (.*) \|$", r"- **\1**: \2", heads.sub("", markdown), flags=re.M)
 
 
 def _raised(where: FloatArray | IntArray, height: float) -> FloatArray:
