@@ -19,7 +19,7 @@ def figures(done: Studied) -> dict[str, Figure]:
         "harder_acts": sweeps(
             {HARDER[name][0]: sweep for name, sweep in done.harder.items()},
             1 / len(done.acts.parts),
-            "put to the right part [%]",
+            "put to the right part",
             f"Which part moved? {done.config.harder_acts} acts for each learner and point; all are told that one did",
         ),
     }

@@ -9,8 +9,9 @@ from babbling.axes import FloatArray
 from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Following
 from experiments.gaze.trials import TOYS
-from experiments.shared.figures import sweeps
-from experiments.shared.palette import INKS, OURS
+from experiments.shared.figures import rates, sweeps
+from experiments.shared.judging import interval_95
+from experiments.shared.palette import INKS, PLAIN
 
 
 def figures(found: Found) -> dict[str, Figure]:
@@ -23,7 +24,7 @@ def figures(found: Found) -> dict[str, Figure]:
     if found.crowds is not None:
         aim = f"a head that points at it within {found.who.config.aim_deg:g} deg (standard deviation, each axis)"
         caption = f"Which of four beads is looked at? {aim}, and how it differs from what a reader expects"
-        drawn["crowds"] = sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at [%]", caption)
+        drawn["crowds"] = sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at", caption)
     return drawn
 
 
@@ -57,33 +58,23 @@ def episode(one: Following) -> Figure:
 
 def calibration(bins: FloatArray, error: float) -> Figure:
     """How often the most probable object was right, against how probable it was."""
-    figure = Figure(figsize=(5.2, 4.8), layout="constrained")
-    axes, counts = figure.subplots(2, 1, height_ratios=[3, 1], sharex=True)
     sure, right, count = bins[bins[:, 2] > 0].T
-    half = np.sqrt(np.maximum(right * (1 - right), 0.02) / count) * 1.96
-    axes.plot([0, 1], [0, 1], color="0.7", lw=1)
-    axes.errorbar(sure, right, half, fmt="o", color=OURS, capsize=3, lw=1)
-    axes.set(ylabel="share that was right", title=f"calibration error {error:.3f}", ylim=(0, 1.1))
-    counts.bar(sure, count, 0.05, color="0.6")
-    counts.set(xlabel="P of the most probable object", ylabel="trials", xlim=(0.2, 1.02))
+    ends = [interval_95(round(hits), int(n)) for hits, n in zip(right * count, count, strict=True)]
+    curve = {"confidence": sure, "share": right, "interval": ends}
+    labels = "P of the most probable object", "share that was right"
+    figure = rates({f"calibration error {error:.3f}": {f"{count.sum():.0f} trials": curve}}, labels, line="")
+    figure.axes[0].plot([0, 1], [0, 1], color=PLAIN, lw=1)
     return figure
 
 
 def covered(result: dict[str, Any]) -> Figure:
     """Following of teachers with covered eyes, by age and own experience."""
-    figure = Figure(figsize=(9.5, 4.2), layout="constrained")
-    axes = figure.subplots()
-    names = list(result["rates"])
-    for offset, (cloth, colour) in enumerate((("blindfold", "#333333"), ("headband", "#c2a15a"))):
-        rates = [result["rates"][name][cloth] for name in names]
-        x = np.arange(len(names)) + 0.36 * offset - 0.18
-        y = np.array([r["rate"] for r in rates])
-        ends = np.abs(np.array([r["interval_95"] for r in rates]).T - y)
-        axes.bar(x, 100 * y, 0.34, color=colour, label=f"teacher wears a {cloth}", yerr=100 * ends, capsize=3,
-                 error_kw={"lw": 0.9, "ecolor": "#888888"})  # fmt: skip
-    axes.axhline(100 * result["chance"], color="0.5", ls=":", lw=1)
-    axes.annotate("chance", (-0.55, 100 * result["chance"] + 1), fontsize=8, color="0.4")
-    axes.set_xticks(range(len(names)), [name.replace(", ", "\n") for name in names], fontsize=8)
-    axes.set(ylabel="looks where the teacher's head points [%]", ylim=(0, 118))
-    axes.legend(frameon=False, fontsize=9, ncols=2, loc="upper center")
-    return figure
+    names = [name.replace(", ", "\n").replace(" a", "\na") for name in result["rates"]]
+    found = {
+        f"teacher wears a {cloth}": {
+            "who": names,
+            **{kind: [one[cloth][kind] for one in result["rates"].values()] for kind in ("rate", "interval_95")},
+        }
+        for cloth in ("blindfold", "headband")
+    }
+    return rates({"": found}, ("", "looks where the teacher's head points"), result["chance"], line="")

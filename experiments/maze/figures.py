@@ -1,8 +1,5 @@
 """The chapter's Figures 5, 6 and 7, and the learning curve, panel by panel as its captions describe them."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -156,32 +153,4 @@ def learning_curve(curve: Convergence) -> Figure:
         beside.set_xlabel("counted visits of the row")
         beside.legend(frameon=False)
         beside.grid(alpha=0.25, which="both")
-    return figure
-
-
-Rates = Mapping[str, Mapping[str, Mapping[str, Any]]]
-"""Panel -> method -> a curve of metrics.json: where, the share there and perhaps its 95 % intervals, in this order."""
-
-
-def rates(panels: Rates, labels: tuple[str, str], level: float | None = None, *, log: bool = True) -> Figure:
-    """How often it went well, panels side by side; a logarithmic axis begins at none."""
-    figure = Figure(figsize=(4.4 * max(len(panels), 2) + 0.6, 5.0), layout="constrained")
-    row = figure.subplots(1, len(panels), sharey=True, sharex=True, squeeze=False)[0]
-    style, drawn = dict[str, str](), {}
-    for axes, (title, lines) in zip(row, panels.items(), strict=True):
-        for method, curve in lines.items():
-            steps, share, interval = (*curve.values(), None)[:3]
-            style.setdefault(method, f"C{len(style)}{'osD^v<>PX'[len(style) % 9]}{'-' if len(steps) > 1 else ''}")
-            spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
-            drawn[method] = axes.errorbar(steps, share, spread, fmt=style[method], ms=4.5, lw=1.6, elinewidth=1)
-        if level is not None:
-            axes.axhline(level, color="black", lw=0.9, ls="--")
-        axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
-        axes.set_title(title, loc="left", fontsize=11)
-        axes.grid(alpha=0.25)
-    row[0].set_ylabel(labels[1])
-    if log:
-        row[0].set_xscale("symlog", linthresh=25, linscale=0.4)
-        row[0].set_xlim(-4, None)
-    figure.legend([*drawn.values()], [*drawn], loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     return figure

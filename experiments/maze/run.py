@@ -52,7 +52,10 @@ def run(config: Config) -> Result:
     config.check()
     maze = default_maze() if config.maze is None else read_maze(config.maze)
     goal_prior = _check(config, maze)
-    experience, walks, curve = _experience(config, maze)
+    experience, curve = _experience(config, maze)
+    walks = [walked(episode, maze) for episode in experience.episodes[0]]
+    for number, walk in enumerate(walks, 1):
+        check_walk(maze, walk, f"{config.memory}, walk {number}")
     for goal in range(1, len(maze.goals) + 1):
         if not any(walk.goal == goal for walk in walks):
             raise ExperimentError(f"nobody was watched going to goal {goal}; every goal needs a demonstration")
@@ -104,22 +107,15 @@ def _check(config: Config, maze: Maze) -> FloatArray:
     return check_goal_prior(given, len(maze.goals))
 
 
-def _experience(config: Config, maze: Maze) -> tuple[Experience, list[Walk], Convergence | None]:
+def _experience(config: Config, maze: Maze) -> tuple[Experience, Convergence | None]:
     """Wander and watch, or remember."""
     if config.memory is not None:
-        experience = recall(config.memory, maze, config.seed)
-        walks = [walked(episode, maze) for episode in experience.episodes[0]]
-        for number, walk in enumerate(walks, 1):
-            check_walk(maze, walk, f"{config.memory}, walk {number}")
-        return experience, walks, None
-    if config.watch is not None:
-        walks = read_walks(config.watch, maze)
-    else:
-        walks = teach(maze, config.demonstrations, config.seed)
+        return recall(config.memory, maze, config.seed), None
+    walks = teach(maze, config.demonstrations, config.seed) if config.watch is None else read_walks(config.watch, maze)
     with progress("wandering") as report:
         forward_model, curve = walkers(maze, config.wander_steps, config.seed, 1, report)
     episodes = tuple(watched(walk, maze) for walk in walks)
-    return Experience(MazeBody(maze, seed=[config.seed, IMITATING]), forward_model, (episodes,)), walks, curve
+    return Experience(MazeBody(maze, seed=[config.seed, IMITATING]), forward_model, (episodes,)), curve
 
 
 def unseen_walk(maze: Maze, seed: int) -> Walk:

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from experiments.maze.changes import OWN_STEPS, changes
-from experiments.maze.figures import Rates, learning_curve, rates
+from experiments.maze.figures import learning_curve
 from experiments.maze.intents import intents
 from experiments.maze.learning import walkers
 from experiments.maze.mind import Experience, population
 from experiments.maze.planners import RELIABLE
 from experiments.maze.trials import trials
 from experiments.shared.experiment import Result
+from experiments.shared.figures import Rates, rates
 from experiments.shared.progress import Report
 from experiments.shared.tables import table
 from models.maze import Maze
@@ -47,9 +48,9 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     changed = {world: methods for world, methods in metrics["changes"].items() if methods}
     seen = {"unseen walks": metrics["intent_by_share"]}
     figures = {
-        "trials": rates(by_goal, (own, in_time), RELIABLE),
-        "changes": rates(changed, (f"{own} as it is now", in_time)),
-        "intent_early": rates(seen, ("share of the walk seen", "goal named rightly"), log=False),
+        "trials": rates(by_goal, (own, in_time), RELIABLE, log=True),
+        "changes": rates(changed, (f"{own} as it is now", in_time), log=True),
+        "intent_early": rates(seen, ("share of the walk seen", "goal named rightly")),
     }
     if len(curve.steps):
         figures["learning_curve_study"] = learning_curve(curve)

@@ -1,6 +1,7 @@
 """Figures that experiments share."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +11,9 @@ from babbling.axes import FloatArray
 from experiments.shared.judging import Sweep, over_learners
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
+Rates = Mapping[str, Mapping[str, Mapping[str, Any]]]
+"""Panel -> who -> a curve of metrics.json: where (numbers or names), the share there and perhaps its 95 % intervals, in
+this order."""
 STYLES = (("o-", OURS), ("s--", THEIRS), ("^:", DARK))
 
 
@@ -41,18 +45,48 @@ def learning_curve(
     return figure
 
 
+def rates(
+    panels: Rates,
+    labels: tuple[str, str],
+    level: float | None = None,
+    caption: str = "",
+    *,
+    log: bool = False,
+    line: str = "-",
+) -> Figure:
+    """How often it went well, panels side by side; a logarithmic axis begins at none."""
+    figure = Figure(figsize=(3.6 * max(len(panels), 2.5) + 0.6, 5.0), layout="constrained")
+    row = figure.subplots(1, len(panels), sharey=True, sharex=log, squeeze=False)[0]
+    style, drawn = dict[str, str](), {}
+    for axes, (title, lines) in zip(row, panels.items(), strict=True):
+        for method, curve in lines.items():
+            at, share, interval = (*curve.values(), None)[:3]
+            style.setdefault(method, f"C{len(style)}{'osD^v<>PX'[len(style) % 9]}{line if len(at) > 1 else ''}")
+            spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
+            drawn[method] = axes.errorbar(at, share, spread, fmt=style[method], ms=4.5, lw=1.6, elinewidth=1)
+        if level is not None:
+            axes.axhline(level, color="black", lw=0.9, ls="--")
+        axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
+        axes.set_title(title, loc="left", fontsize=11)
+        axes.grid(alpha=0.25)
+    if log:
+        row[0].set_xscale("symlog", linthresh=25, linscale=0.4)
+        row[0].set_xlim(-4, None)
+    row[0].set_ylabel(labels[1])
+    figure.suptitle(caption, fontsize=11)
+    figure.legend([*drawn.values()], [*drawn], loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    return figure
+
+
 def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, caption: str) -> Figure:
     """Panels side by side, by title: how often every rule was right, means and 95 % intervals over learners."""
-    figure = Figure(figsize=(3.1 * len(panels) + 0.8, 4.2), layout="constrained")
-    row = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for axes, (title, sweep) in zip(row, panels.items(), strict=True):
-        place = np.arange(len(sweep.at))
-        for rule, mean, half, (mark, ink) in zip(sweep.rules, *over_learners(100 * sweep.right), STYLES, strict=True):
-            axes.errorbar(place, mean, half, fmt=mark, color=ink, ms=4, lw=1.4, capsize=2, label=rule)
-        axes.axhline(100 * chance, color=PLAIN, lw=1, ls="--", label="chance")
-        axes.set(title=title, xlabel=sweep.label, xticks=place, xticklabels=[f"{x:g}" for x in sweep.at], ylim=(0, 104))
-        axes.title.set_size(10)
-    row[0].set_ylabel(f"{ylabel}\nmean and 95 % over {len(next(iter(panels.values())).right)} learners")
-    figure.suptitle(caption, fontsize=11)
-    figure.legend(*row[0].get_legend_handles_labels(), frameon=False, ncols=4, loc="outside lower center")
+    drawn, learners = {}, len(next(iter(panels.values())).right)
+    for title, sweep in panels.items():
+        mean, half = over_learners(sweep.right)
+        curves = zip(sweep.rules, mean, np.stack([mean - half, mean + half], -1), strict=True)
+        at = [f"{x:g}" for x in sweep.at]
+        drawn[title] = {rule: {"at": at, "share": share, "interval": ends} for rule, share, ends in curves}
+    figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), chance, caption)
+    for axes, sweep in zip(figure.axes, panels.values(), strict=True):
+        axes.set_xlabel(sweep.label)
     return figure
