@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from experiments.correspondence.acts import HARDER
 from experiments.correspondence.found import Studied
 from experiments.shared.figures import learning_curve, sweeps
-from experiments.shared.palette import OURS, PLAIN, THEIRS
+from experiments.shared.palette import OURS, PLAIN
 
 
 def figures(done: Studied) -> dict[str, Figure]:
@@ -51,14 +51,13 @@ def teachers(done: Studied) -> Figure:
     place = np.arange(len(names))
     errors = [[row.error_deg(who) for who in (row.oracle, row.clean, row.noisy)] for row in done.rows.values()]
     oracle, clean, noisy = np.array(errors).T
-    left.barh(place - 0.2, oracle, 0.38, color=PLAIN, label="inverse kinematics")
-    left.barh(place + 0.2, clean, 0.38, color=THEIRS, label="learned, clean eyes")
-    left.plot(oracle + 0.3, place, "|", color="black", ms=16, label="oracle + 0.3 deg")
-    right.barh(place, noisy, 0.5, color=OURS, label=f"learned, {done.config.seeing_noise_deg:g} deg of noise")
-    right.plot(oracle + 2.5, place, "|", color="black", ms=16, label="oracle + 2.5 deg")
     left.set_yticks(place, names)
     left.invert_yaxis()
-    for axis in (left, right):
+    noise = f"{done.config.seeing_noise_deg:g} deg of noise"
+    for axis, ours, allowed, label in ((left, clean, 0.3, "clean eyes"), (right, noisy, 2.5, noise)):
+        axis.barh(place - 0.2, oracle, 0.38, color=PLAIN, label="inverse kinematics")
+        axis.barh(place + 0.2, ours, 0.38, color=OURS, label=f"learned, {label}")
+        axis.plot(oracle + allowed, place, "|", color="black", ms=16, label=f"oracle + {allowed} deg")
         axis.set_xlabel("mean limb-direction error where it can be reached [deg]")
         axis.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
         axis.spines[["top", "right"]].set_visible(False)

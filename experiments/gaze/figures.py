@@ -43,11 +43,8 @@ def episode(one: Following) -> Figure:
     belief.legend(frameon=False, fontsize=9)
     poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
     poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
-    for k, name in enumerate(one.names):
-        poses.plot(*np.rad2deg(one.expected[k]), "o", color=INKS[name], ms=11)
-        poses.annotate(
-            name, np.rad2deg(one.expected[k]), xytext=(0, 9), textcoords="offset points", ha="center", fontsize=8
-        )
+    for name, pose in zip(one.names, np.rad2deg(one.expected), strict=True):
+        poses.plot(*pose, "o", color=INKS[name], ms=11, label=name)
     poses.invert_yaxis()
     poses.invert_xaxis()
     poses.margins(0.15)

@@ -10,7 +10,6 @@ from experiments.maze.found import BLOCK, Found
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import places_of
 from experiments.shared.figures import learning_curve as draw_curve
-from experiments.shared.palette import OURS
 from imitation.inference.intent import in_blocks
 from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS
 
@@ -146,11 +145,8 @@ def learning_curve(curve: Convergence) -> Figure:
     labels = ("wandering steps", "mean total variation per row")
     draw_curve(curve.steps.astype(float), lines, labels, log=True, onto=axes)
     if wide:
-        beside = figure.add_subplot(1, 2, 2, sharey=axes)
         visits, tv = curve.per_visit.T
-        beside.loglog(visits, tv, "o", color=OURS, label=f"rows, slope {curve.slope:.3f}")
-        beside.loglog(visits, tv[0] * np.sqrt(visits[0] / visits), "k--", lw=1.3, label="slope -1/2")
-        beside.set_xlabel("counted visits of the row")
-        beside.legend(frameon=False)
-        beside.grid(alpha=0.25, which="both")
+        lines = {f"rows, slope {curve.slope:.3f}": tv, "slope -1/2": tv[0] * np.sqrt(visits[0] / visits)}
+        labels, beside = ("counted visits of the row", labels[1]), figure.add_subplot(1, 2, 2, sharey=axes)
+        draw_curve(visits, lines, labels, log=True, onto=beside)
     return figure

@@ -66,9 +66,8 @@ class Found:
             }
             for name, one in self.beliefs.items()
         }
-        size = {"width": maze.width, "height": maze.height}
         return {
-            "maze": {**size, "goals": maze.goals, "fingerprint": maze.fingerprint},
+            "maze": {"goals": maze.goals, "fingerprint": maze.fingerprint},
             "forward_model": {
                 "counted_transitions": model.transitions,
                 "uniform": model.transitions == 0,
