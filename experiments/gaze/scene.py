@@ -78,7 +78,6 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     rest = body.command_angles(body.rest[None])
     belief, leader = np.full(count, 1 / count), -1
     looks = round((len(path) * 0.02) / FRAME_S)
-    expected = np.full((count, 2), np.nan)
     for frame in range(looks):
         if frame:
             senses = body.act(rest)
@@ -87,8 +86,6 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
         pose = watching.see(face).mean[:2]
         where = gaze.geometry.locate(things[0], tilt_of(mind, senses)[0])
         if np.isfinite(where).all() and watching.belief is not None:
-            if not np.isfinite(expected).all():
-                expected = gaze.imagined(where, head) + gaze.bias
             prior = Preferences().prior(names, np.sqrt(np.maximum(area[0], 1.0)))
             posterior = gaze.read(pose, where, head, prior)
             belief = posterior.probability if posterior.informed else prior
@@ -114,4 +111,5 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
     found, predicted, own, teacher, poses, beliefs = (np.stack(column) for column in zip(*frames, strict=True))
     seen = onlook(body.model, config.robot, own, teacher, dict(zip(names, places, strict=True)))
+    expected = gaze.imagined(where, head) + gaze.bias
     return Following(names, goal, images, found, predicted, own, teacher, poses, beliefs, events, seen, expected)

@@ -18,7 +18,6 @@ from imitation.seeing.pose import Appearance, frame_pose
 from models.biclops.gaze import BALL_RADIUS, View, lay_out, look_at
 from models.biclops.room import Ball, wear_cloth
 from models.heads import CARD, PARKED, camera_facts
-from models.retina import Image
 from models.seeing_body import SeeingBody, still
 
 TOYS = ("orange", "lime", "cyan", "violet")
@@ -53,12 +52,8 @@ class Watcher(NamedTuple):
 class Trials(NamedTuple):
     """N trials of G toys; for those who judge and for those who infer."""
 
-    places: FloatArray
-    """(N, G, 3) true, m, in the table's frame."""
     target: IntArray
     """(N,) which toy the teacher looks at."""
-    angles: FloatArray
-    """(N, 2) true pose of the teacher's head."""
     things: FloatArray
     """(N, G, 4) where the toys were seen, pixels from the middle; NaN unseen."""
     salience: FloatArray
@@ -72,12 +67,10 @@ class Trials(NamedTuple):
     looked: FloatArray
     """(N, 2) which toy stood nearest the middle of the left eye after following, and how far from it, pixels; NaN where
     nobody followed."""
-    image: tuple[Image, Image]
-    """Of the first trial."""
 
     def rows(self, which: Any) -> "Trials":
         """Some of the trials."""
-        return Trials._make([*(field[which] for field in self[:-1]), self.image])
+        return Trials._make(field[which] for field in self)
 
 
 def table_body(config: Config, copies: int, seed: int, tick_s: float, radius: float = BALL_RADIUS) -> SeeingBody:
@@ -150,20 +143,18 @@ def run_trials(
         senses = body.reset()
         things, area = toys_seen(body, senses, who.eyes, toys)
         batch = Trials(
-            places, target, body.teacher_angles, things, np.sqrt(np.maximum(area, 1.0)),
+            target, things, np.sqrt(np.maximum(area, 1.0)),
             pose=np.array([frame_pose(who.appearance, face) for face in face_numbers(body, senses)]),
             eyes_seen=np.asarray(np.isfinite(body.senses.read(senses, "place", EYES)[..., 0]).any((1, 2))),
             tilt=tilt_of(who.eyes, senses),
             looked=np.full((copies, 2), np.nan),
-            image=batches[0].image if batches else body.images[0],
         )  # fmt: skip
         if follow is not None:
             batch = batch._replace(looked=_look(body, who.eyes, follow(batch), toys, senses, rng))
         batches.append(batch)
         report(min((done + copies) / count, 1.0))
     wear_cloth(body.model, None)
-    merged = [np.concatenate(column) for column in zip(*(batch[:-1] for batch in batches), strict=True)]
-    return Trials._make([*merged, batches[0].image]).rows(slice(count))
+    return Trials._make(np.concatenate(column)[:count] for column in zip(*batches, strict=True))
 
 
 def _look(

@@ -122,7 +122,7 @@ def sharp_trials(
     body: None, who: Watcher, count: int, rng: np.random.Generator, *, apart_deg: tuple[float, float],
     turn: Callable[..., np.ndarray], preference: tuple[float, ...] | None, radius: float,
 ) -> Trials:  # fmt: skip
-    """Four beads in a row, so far apart, and a head without noise; no images, and one bead is now and then lost."""
+    """Four beads in a row, so far apart, and a head without noise; one bead is now and then lost."""
     side = rng.uniform(-0.2, 0.2, (count, 1)) + np.deg2rad(apart_deg[0]) * np.arange(4)
     ahead = rng.uniform(4.0, 6.0, (count, 4))
     mine = np.stack([ahead * np.cos(side), ahead * np.sin(side), np.full((count, 4), -2.0)], -1)
@@ -132,10 +132,7 @@ def sharp_trials(
     things[::10, 3] = np.nan
     pose = turn(looks[np.arange(count), target], 1e-6, rng)
     nothing = np.zeros(count)
-    return Trials(
-        mine, target, pose, things, np.ones((count, 4)), pose, nothing > 0, nothing + 0.1, looks[:, 0],
-        image=(None, None),  # type: ignore[arg-type]
-    )  # fmt: skip
+    return Trials(target, things, np.ones((count, 4)), pose, nothing > 0, nothing + 0.1, looks[:, 0])
 
 
 def test_without_noise_all_rules_are_right_but_where_heads_turn_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
