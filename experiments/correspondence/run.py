@@ -146,7 +146,6 @@ def measure(done: Studied) -> dict[str, Any]:
         "sub_goal_speed_q999": float(max(np.quantile(one, 0.999) for one in speeds)),
         "sub_goal_speed_max": float(max(one.max() for one in speeds)),
         "correspond_p50_ms": float(np.median(per_frame)),
-        "correspond_worst_ms": float(max(per_frame)),
         "parts_right_share": column["parts_right_share"].mean(),
         "parts_alike_share": column["parts_alike_share"].mean(),
         "organ_identification_rate": acts.rate,

@@ -81,7 +81,6 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
         "hits": hits,
         "interval_95": interval_95(hits, n),
         "n": n,
-        "eyes_seen": float(trials.eyes_seen.mean()),
         "believed_to_see": float(np.median(sees)),
     }
 

@@ -118,14 +118,13 @@ def crowds(pupils: list[Watcher], count: int, report: Callable[[float], None]) -
                 trials = _clear(meet(count, turn=after, apart_deg=apart), who)
                 kept.append(len(trials.target) / count)
                 looks = _looks(who, trials)
-                away = np.linalg.norm(trials.pose[:, None] - looks, axis=-1)
-                beliefs.append((infer(who, trials, TOYS, liked), simple.read(looks, trials.pose)))
+                near = -np.linalg.norm(trials.pose[:, None] - looks, axis=-1)
+                beliefs.append((infer(who, trials, TOYS, liked), simple.read(looks, trials.pose), near))
                 targets.append(trials.target)
-                for r, ranks in enumerate((*beliefs[-1], -away)):
-                    right[t, p, r, s] = (ranks.argmax(1) == trials.target).mean()
+                right[t, p, :, s] = [(ranks.argmax(1) == trials.target).mean() for ranks in beliefs[-1]]
                 report((p + (t + (s + 1) / len(SPACINGS)) / len(TEACHERS)) / len(pupils))
             target = np.concatenate(targets)
-            ours, simply = (np.concatenate(column) for column in zip(*beliefs, strict=True))
+            ours, simply, _ = (np.concatenate(column) for column in zip(*beliefs, strict=True))
             constant = constant_confidence(ours, target)
             said[t, p] = [scores(belief, target) for belief in (ours, simply, constant)]
     label = "degrees to the nearest bead"

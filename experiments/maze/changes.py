@@ -45,12 +45,7 @@ def changes(maze: Maze, seed: int, demonstrations: int, report: Report) -> dict[
                 for method, walks in _everybody(many, few, after, shown, (seed, 32, k, goal)).items():
                     runs[world][method].append(walks)
         report((k + goal / len(goals)) / SEEDS)
-    return {
-        "changes": {world: {name: _told(each) for name, each in of.items()} for world, of in runs.items()},
-        "changes_seeds": SEEDS,
-        "changes_runs": SEEDS * LEARNERS * len(goals),
-        "changes_own_steps_before": OWN_STEPS,
-    }
+    return {"changes": {world: {name: _told(each) for name, each in of.items()} for world, of in runs.items()}}
 
 
 def _told(runs: list[Walks]) -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """A maze on matplotlib axes, as the chapter draws it: thick black walls, an asterisk, shaded goals, grey for time."""
 
-from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -75,12 +74,8 @@ def offsets(count: int, spread: float) -> FloatArray:
 
 def _separated(walk: IntArray) -> FloatArray:
     """Shift later visits of a cell by up to a sixth of a cell so that a returning path does not cover itself."""
-    seen = Counter[tuple[int, ...]]()
-    again, came = [], None
-    for place in map(tuple, walk.tolist()):
-        seen[place] += place != came
-        again.append(seen[place] - 1)
-        came = place
+    entered = np.asarray(np.diff(walk, axis=0, prepend=0).any(1))
+    again = [(entered[:t] & (walk[:t] == place).all(1)).sum() + entered[t] - 1 for t, place in enumerate(walk)]
     return walk + 0.09 * (np.array(again)[:, None] % 3)
 
 

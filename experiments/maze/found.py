@@ -96,7 +96,6 @@ class Found:
                 "steps": self.unseen.steps,
                 "block": BLOCK,
                 "blocks": in_blocks(inferred.by_step.probability, BLOCK),
-                "filter_blocks": in_blocks(inferred.filtered.probability, BLOCK),
                 **by_actions[self.config.actions],
                 "uninformed_steps": inferred.by_step.uninformed_steps,
                 "actions": self.config.actions,

@@ -40,7 +40,7 @@ def intents(observers: Experience, seed: int, smoothing: float, report: Report) 
     even, uneven = np.full(goals, 1 / goals), half_for_the_first(goals)
     crossing, tables = junctions(maze), believed(observers.forward_model)
     rows: dict[str, list[float]] = defaultdict(list)
-    entropy: dict[str, list[float]] = {name: [] for name in ("uniform", "uneven", "uniform_goal_1", "uneven_goal_1")}
+    entropy: dict[str, list[float]] = {"uniform": [], "uneven": []}
     by_share: dict[str, list[BoolArray]] = defaultdict(list)
     toss = np.random.default_rng([seed, 26])
     for goal in range(goals):
@@ -61,8 +61,7 @@ def intents(observers: Experience, seed: int, smoothing: float, report: Report) 
                 rows[f"intent_{name}_uninformed_steps"].append(belief.uninformed_steps)
             at_crossing = np.isin(episode.states[:-1], crossing)
             for name, one in (("uniform", seen), ("uneven", infer(priors, episode, uneven, smoothing))):
-                for kind in ("", "_goal_1") if goal == 0 else ("",):
-                    entropy[name + kind].extend(one.by_step.entropy[at_crossing])
+                entropy[name].extend(one.by_step.entropy[at_crossing])
             by_now = np.ceil(SHARES * walk.steps).astype(int)
             votes = {rule: each[1:] for rule, each in rules_of_thumb(maze, episode.states).items()}
             votes |= {"filter": seen.filtered.probability, "filter, places alone": unseen.filtered.probability}

@@ -34,8 +34,9 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
         f"forward_model_{name}": {str(n): y for n, y in zip(curve.steps, values, strict=True) if n >= 300}
         for name, values in (("tv", curve.tv), ("tv_bound", curve.bound))
     }
-    metrics |= {"forward_model_tv_slope": curve.slope, "forward_model_walkers": CURVE_WALKERS}
-    metrics |= _imitation(population(maze, SEEDS, demonstrations, wander_steps, seed), seed)
+    metrics |= {"forward_model_tv_slope": curve.slope} | _imitation(
+        population(maze, SEEDS, demonstrations, wander_steps, seed), seed
+    )
     report(0.18)
     observers = population(maze, WALKS, demonstrations, wander_steps, seed + 1)
     metrics |= intents(observers, seed + 1, smoothing, lambda done: report(0.18 + 0.07 * done))

@@ -72,7 +72,6 @@ def trials(maze: Maze, seed: int, demonstrations: int, report: Report) -> dict[s
     return {
         **{name: {str(goal): reliable_from(line) for goal, line in curves[who].items()} for name, who in NAMES.items()},
         "trials_imitation_observed_steps": {str(goal): demonstrations * few.teacher_steps(goal) for goal in goals},
-        "trials_reliable_share": RELIABLE,
         "trials_curves": {
             method: {str(g): {"steps": [*line], "share": [*line.values()]} for g, line in lines.items()}
             for method, lines in curves.items()
