@@ -67,14 +67,17 @@ class Experience:
         """Mean steps of what was watched."""
         return float(np.mean([episode.steps for own in self.towards(goal) for episode in own]))
 
-    def imitate(self, goal: int, selection: str, rng: np.random.Generator, limit: int | None = None) -> Journey:
-        """All imitate goal 1, 2, ..., each by what it watched itself: the acyclic rule and its priors. They give up
-        after `limit` steps, or `PATIENCE` times what the teacher needed.
+    def imitate(
+        self, goal: int, selection: str, rng: np.random.Generator, limit: int | None = None, *, prior: bool = True
+    ) -> Journey:
+        """All imitate goal 1, 2, ..., each by what it watched itself: the acyclic rule and, unless told not to, its
+        priors. They give up after `limit` steps, or `PATIENCE` times what the teacher needed.
         """
         successor, priors = self.remembered(goal)
         end, copies = self.maze.number(self.maze.goals[goal - 1]), self.body.copies
         states = places_of(self.maze)
-        one = Follower(self.forward_model, states, successor, end, priors, copies=copies, selection=selection)
+        told = priors if prior else None
+        one = Follower(self.forward_model, states, successor, end, told, copies=copies, selection=selection)
         return follow(self.body, one, rng=rng, limit=limit or int(PATIENCE * max(5.0, self.teacher_steps(goal))))
 
 

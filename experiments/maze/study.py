@@ -83,11 +83,15 @@ def _imitation(imitators: Experience, seed: int) -> dict[str, Any]:
     found: dict[str, Any] = defaultdict(lambda: {selection: {} for selection in SELECTIONS})
     teacher = {goal: imitators.teacher_steps(goal) for goal in range(1, len(imitators.maze.goals) + 1)}
     for selection, goal in product(SELECTIONS, teacher):
-        journey = imitators.imitate(goal, selection, np.random.default_rng([seed, 23, goal]))
+        journey, bare = (
+            imitators.imitate(goal, selection, np.random.default_rng([seed, 23, goal]), prior=prior)
+            for prior in (True, False)
+        )
         for name, value in {
             "imitation_success": journey.reached.mean(),
             "step_ratio": journey.steps.mean() / teacher[goal],
             "uninformed_steps": journey.decisions.forward_alone.sum(0).mean(),
+            "step_ratio_without_prior": bare.steps.mean() / teacher[goal],
         }.items():
             found[name][selection][str(goal)] = float(value)
     return {**found, "imitation_seeds": imitators.body.copies, "teacher_steps": teacher}
