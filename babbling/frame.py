@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from babbling.axes import Axis, FloatArray, same_axes
-from babbling.features import BEFORE, COLUMNS, LINES, PLAYS, Features
+from babbling.features import BEFORE, COLUMNS, HINGES, LINES, PLAYS, Features
 from babbling.kinds import Numbers
 from babbling.regression import LinearFit, LinearGaussian
 
@@ -23,6 +23,7 @@ LEAST = 1e-3
 """Least reach of a feature; one that the pilot never met does not grow out of nothing."""
 RIDGE = 1e-4
 """Prior precision of a line's weights, in units of each feature's mean square and the noise's, per transition."""
+_BENDS = slice(COLUMNS.index("squared") - 1, COLUMNS.index("squared") + HINGES)
 _BEFORE, _PLAYS = len(BEFORE), slice(len(BEFORE), len(BEFORE) + len(PLAYS))
 
 
@@ -48,6 +49,9 @@ class Frame:
         """From a pilot's (N, F, COLUMNS) features, whose shares are not known yet, and (N, F) outcomes."""
         channels = np.concatenate([columns[..., 1:], outcome[..., None]], axis=-1)
         reach = np.maximum(_most(channels), LEAST)
+        # a pilot that hardly came past a bend says little of how far one gets: that is a matter of postures
+        far = reach[:, COLUMNS.index("posture") - 1, None]
+        reach[:, _BENDS] = np.maximum(np.concatenate([far**2, far - features.knots], axis=1), LEAST)
         sums = _sums(reach)
         sums.observe(channels, np.ones(outcome.shape, bool))
         line = whole(sums.fit(["outcome"], LINES["play"], RIDGE), "play")
@@ -59,7 +63,7 @@ class Frame:
         centre = usual.fit(["effort"], BEFORE[1:], RIDGE).coefficients[:, 0]
         beyond = np.stack([columns[..., 1], effort - (columns[..., :_BEFORE] * centre).sum(-1)], axis=-1)
         bend = np.quantile(np.abs(beyond), 0.5, axis=0) + 1e-9
-        far = np.arcsinh(_most(beyond) / bend)
+        ends = np.arcsinh(_most(beyond) / bend)
         most = _most((outcome - (columns * line).sum(-1))[..., None])[:, 0]
         return cls(
             features,
@@ -67,8 +71,8 @@ class Frame:
             line,
             centre,
             bend,
-            Axis("rate", "1", -far[:, 0], far[:, 0], GRID[0]),
-            Axis("effort", "1", -far[:, 1], far[:, 1], GRID[1]),
+            Axis("rate", "1", -ends[:, 0], ends[:, 0], GRID[0]),
+            Axis("effort", "1", -ends[:, 1], ends[:, 1], GRID[1]),
             Axis("departure", "rad", -most, most, GRID[2]),
         )
 
