@@ -21,9 +21,11 @@ from imitation.inference.selection import select_mean, selection_rule
 
 CANDIDATES = 41
 """Actions at which the posterior is worked out."""
-COARSE, FINE = 2.0, 0.5
-"""Distance between the middle ones, in standard deviations that the posterior would have on a line: to find the most
-probable action, and about it."""
+COARSE = 2.0
+"""Distance between the middle ones of those that look for it first, times ten, in standard deviations that the posterior
+would have on a line."""
+DEEP = 16.0
+"""What is so much less probable than the most probable action, nats, lies beyond their ends."""
 FAR = (8.0, 4.0)
 """They reach so many of these standard deviations, and so many of the habit's, to either side."""
 _EVEN = np.linspace(-1, 1, CANDIDATES)
@@ -124,22 +126,22 @@ class AveragedInverse:
             return likelihood, self.prior(outlook, actions)
 
         about = near + COARSE * width * np.sinh(_EVEN[:, None, None] * np.arcsinh(1.5 * reach / (COARSE * width)))
-        best = np.add(*logs(about)).argmax(0)
-        near = np.take_along_axis(about, best[None], 0)[0]
-        bent = np.arcsinh(reach / (FINE * width))
-        actions = near + FINE * width * np.sinh(_EVEN[:, None, None] * bent)
+        roughly = np.add(*logs(about))
+        likely = roughly > roughly.max(0) - DEEP
+        first, last = likely.argmax(0) - 1, CANDIDATES - likely[::-1].argmax(0)  # a place to spare on either side
+        ends = np.clip(np.stack([first, last]), 0, CANDIDATES - 1)
+        low, high = np.take_along_axis(about, ends, 0)
+        actions = low + (high - low) * (_EVEN[:, None, None] + 1) / 2
         likelihood, prior = logs(actions)
         top = likelihood.max(0), prior.max(0)
-        weight = np.exp(prior - top[1]) * np.gradient(actions, axis=0)
-        norm = weight.sum(0)
-        found = action_posterior(np.moveaxis(np.exp(likelihood - top[0]), 0, -1), np.moveaxis(weight / norm, 0, -1))
+        weight = np.exp(prior - top[1])
+        found = action_posterior(
+            np.moveaxis(np.exp(likelihood - top[0]), 0, -1), np.moveaxis(weight / weight.sum(0), 0, -1)
+        )
         posterior = Posterior(found.probability, found.evidence * np.exp(top[0]), found.informed)
         candidates = np.moveaxis(actions, 0, -1)
         if self.rule is select_mean:
             action = (posterior.probability * candidates).sum(-1)
         else:
-            density = posterior.probability / np.gradient(candidates, axis=-1)
-            draws = self.rule.__name__ == "select_matching"
-            place = self.rule(posterior.probability if draws else density, _PLACES, rng)
-            action = near + FINE * width * np.sinh((2 * place / (CANDIDATES - 1) - 1) * bent)
+            action = low + (high - low) * self.rule(posterior.probability, _PLACES, rng) / (CANDIDATES - 1)
         return Decided(action, candidates, posterior, outlook.beyond(posture + action))

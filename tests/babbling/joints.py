@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from babbling.explanations import Explanations
-from babbling.features import WIDTHS, ZONES, Features
+from babbling.features import WIDTHS, ZONES, Echo, Features
 from babbling.frame import Frame, shares
 
 FloatArray = np.ndarray
@@ -44,10 +44,8 @@ def features(factors: int = 2) -> Features:
     return Features(np.linspace(-0.4, 0.4, 6) * one, slow, widths, zones, direct)
 
 
-def lived(
-    rule: Rule, ticks: int, seed: int, factors: int = 2, copies: int = 4, noise: float = 1e-3
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """(T, B, F) postures, rates and commands of a run from rest, and the outcomes: smooth ways with jitter."""
+def run(rule: Rule, ticks: int, seed: int, factors: int = 2, copies: int = 4, noise: float = 1e-3) -> list[FloatArray]:
+    """(T, B, F) postures, rates, commands and outcomes of a run from rest: smooth ways with jitter."""
     rng, mine = np.random.default_rng(seed), features(factors)
     size, pace, phase = rng.uniform([0.25, 0.2, 0], [0.35, 6, 6], (copies, factors, 3)).transpose(2, 0, 1)
     time = np.arange(ticks)[:, None, None] * TICK
@@ -60,9 +58,25 @@ def lived(
         w = rule(q, v, echo.plays - q[..., None]) + noise * rng.standard_normal(q.shape)
         rows.append((q, v, command, w))
         q, v = q + w, w / TICK
-    posture, rate, command, outcome = (np.stack(one) for one in zip(*rows, strict=True))
-    columns = mine.of(posture, rate, command)
+    return [np.stack(one) for one in zip(*rows, strict=True)]
+
+
+def lived(
+    rule: Rule, ticks: int, seed: int, factors: int = 2, copies: int = 4, noise: float = 1e-3
+) -> tuple[FloatArray, FloatArray]:
+    """(N, F, COLUMNS) features and (N, F) outcomes of `run`."""
+    *walk, outcome = run(rule, ticks, seed, factors, copies, noise)
+    columns = features(factors).of(*walk)
     return columns.reshape(-1, *columns.shape[2:]), outcome.reshape(-1, factors)
+
+
+def met(rule: Rule, ticks: int, seed: int) -> tuple[FloatArray, FloatArray, Echo, FloatArray]:
+    """(B, 2) postures, rates, echoes and outcomes of as many copies at the end of a run."""
+    mine, (posture, rate, command, outcome) = features(), run(rule, ticks, seed, copies=100)
+    echo = mine.start(posture[0])
+    for told in command[:-1]:
+        echo = mine.after(echo, told)
+    return posture[-1], rate[-1], echo, outcome[-1]
 
 
 def frame(rule: Rule, seed: int = 0, factors: int = 2) -> Frame:
