@@ -3,8 +3,8 @@
     P(a | s, s', g) = c N(w; E[w | s, a], s^2) prod_k P(s'_k | s_k, a)^{w_k} P(a | s)^h
 
 The likelihood is the average of rival explanations (`babbling.explanations`), P(a | s) the habit, h how far it is
-trusted. An action is a real number: the posterior is worked out at actions that lie densely about the most probable one
-and reach as far as stiction and play may carry it, each weighed by its distance from the next.
+trusted. An action is a real number: a first look, as far as stiction and play may carry, finds where the posterior is
+more than nothing; there it is worked out at even distances.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,12 +22,11 @@ from imitation.inference.selection import select_mean, selection_rule
 CANDIDATES = 41
 """Actions at which the posterior is worked out."""
 COARSE = 2.0
-"""Distance between the middle ones of those that look for it first, times ten, in standard deviations that the posterior
-would have on a line."""
+"""Where those of a first look begin to thin out, in standard deviations that the posterior would have on a line."""
 DEEP = 16.0
 """What is so much less probable than the most probable action, nats, lies beyond their ends."""
 FAR = (8.0, 4.0)
-"""They reach so many of these standard deviations, and so many of the habit's, to either side."""
+"""The first look reaches one and a half times so many of these standard deviations, or so many of the habit's."""
 _EVEN = np.linspace(-1, 1, CANDIDATES)
 _PLACES = Axis("candidate", "1", np.zeros(1), np.array([CANDIDATES - 1.0]), CANDIDATES)
 
@@ -106,11 +105,7 @@ class AveragedInverse:
         return self.forward_model.at(here.posture, here.rate, here.echo).expected(command)
 
     def choose(self, here: Here, wanted: FloatArray, terms: Sequence[Term], rng: np.random.Generator) -> Decided:
-        """See `MovingInverse`.
-
-        Raises:
-            ImitationError: a term that does not fit its forward model.
-        """
+        """See `MovingInverse`."""
         model, posture = self.forward_model, here.posture
         outlook = model.at(posture, here.rate, here.echo)
         last = here.echo.command

@@ -70,9 +70,9 @@ def lived(
     return columns.reshape(-1, *columns.shape[2:]), outcome.reshape(-1, factors)
 
 
-def met(rule: Rule, ticks: int, seed: int) -> tuple[FloatArray, FloatArray, Echo, FloatArray]:
+def met(rule: Rule, ticks: int, seed: int, copies: int = 20) -> tuple[FloatArray, FloatArray, Echo, FloatArray]:
     """(B, 2) postures, rates, echoes and outcomes of as many copies at the end of a run."""
-    mine, (posture, rate, command, outcome) = features(), run(rule, ticks, seed, copies=100)
+    mine, (posture, rate, command, outcome) = features(), run(rule, ticks, seed, copies=copies)
     echo = mine.start(posture[0])
     for told in command[:-1]:
         echo = mine.after(echo, told)
