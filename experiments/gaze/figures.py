@@ -1,5 +1,6 @@
 """Figures of gaze following."""
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -66,12 +67,9 @@ def calibration(bins: FloatArray, error: float) -> Figure:
 
 def covered(result: dict[str, Any]) -> Figure:
     """Following of teachers with covered eyes, by age and own experience."""
-    names = [name.replace(", ", "\n").replace(" a", "\na") for name in result["rates"]]
-    found = {
-        f"teacher wears a {cloth}": {
-            "who": names,
-            **{kind: [one[cloth][kind] for one in result["rates"].values()] for kind in ("rate", "interval_95")},
-        }
-        for cloth in ("blindfold", "headband")
-    }
-    return rates({"": found}, ("", "looks where the teacher's head points"), result["chance"], line="")
+    names = [fill(name, 10) for name in result["rates"]]
+    panels = {}
+    for cloth in ("blindfold", "headband"):
+        found = {kind: [one[cloth][kind] for one in result["rates"].values()] for kind in ("rate", "interval_95")}
+        panels[f"teacher wears a {cloth}"] = {"rate and 95 % interval": {"who": names, **found}}
+    return rates(panels, ("", "looks where the teacher's head points"), ("chance", result["chance"]), line="")

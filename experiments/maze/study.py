@@ -49,7 +49,7 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     changed = {world: methods for world, methods in metrics["changes"].items() if methods}
     seen = {"unseen walks": metrics["intent_by_share"]}
     figures = {
-        "trials": rates(by_goal, (own, in_time), RELIABLE, log=True),
+        "trials": rates(by_goal, (own, in_time), ("reliable", RELIABLE), log=True),
         "changes": rates(changed, (f"{own} as it is now", in_time), log=True),
         "intent_early": rates(seen, ("share of the walk seen", "goal named rightly")),
     }

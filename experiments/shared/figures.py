@@ -48,16 +48,16 @@ def learning_curve(
 def rates(
     panels: Rates,
     labels: tuple[str, str],
-    level: float | None = None,
+    level: tuple[str, float] | None = None,
     caption: str = "",
     *,
     log: bool = False,
     line: str = "-",
 ) -> Figure:
-    """How often it went well, panels side by side; a logarithmic axis begins at none."""
+    """How often it went well, panels side by side, and a named level; a logarithmic axis begins at none."""
     figure = Figure(figsize=(3.6 * max(len(panels), 2.5) + 0.6, 5.0), layout="constrained")
     row = figure.subplots(1, len(panels), sharey=True, sharex=log, squeeze=False)[0]
-    style, drawn = dict[str, str](), {}
+    style, drawn = dict[str, str](), dict[str, Any]()
     for axes, (title, lines) in zip(row, panels.items(), strict=True):
         for method, curve in lines.items():
             at, share, interval = (*curve.values(), None)[:3]
@@ -65,7 +65,7 @@ def rates(
             spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
             drawn[method] = axes.errorbar(at, share, spread, fmt=style[method], ms=4.5, lw=1.6, elinewidth=1)
         if level is not None:
-            axes.axhline(level, color="black", lw=0.9, ls="--")
+            drawn[level[0]] = axes.axhline(level[1], color="black", lw=0.9, ls="--")
         axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
         axes.set_title(title, loc="left", fontsize=11)
         axes.grid(alpha=0.25)
@@ -86,7 +86,7 @@ def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, caption: str
         curves = zip(sweep.rules, mean, np.stack([mean - half, mean + half], -1), strict=True)
         at = [f"{x:g}" for x in sweep.at]
         drawn[title] = {rule: {"at": at, "share": share, "interval": ends} for rule, share, ends in curves}
-    figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), chance, caption)
+    figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), ("chance", chance), caption)
     for axes, sweep in zip(figure.axes, panels.values(), strict=True):
         axes.set_xlabel(sweep.label)
     return figure
