@@ -46,7 +46,7 @@ def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) ->
     with np.errstate(divide="ignore", invalid="ignore"):
         curvature = left - 2 * top + right
         shift = (left - right) / (2 * curvature)
-    usable = (inner == best) & np.isfinite(shift) & (curvature < 0)
+    usable = (inner == best) & np.isfinite(shift)
     action: FloatArray = axis.low + (best + np.where(usable, shift, 0.0)) * axis.step
     return action
 

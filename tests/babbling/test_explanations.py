@@ -68,7 +68,8 @@ def test_each_line_is_least_squares_on_what_it_looks_at() -> None:
 def test_the_average_is_the_sum_of_all_by_their_weights() -> None:
     """At places and commands never met, off the table's ends as well; one command or many."""
     model, rng = mixed(), np.random.default_rng(0)
-    q, v, last = rng.uniform(-0.4, 0.4, (3, 5, 2)) * [[[1]], [[20]], [[1]]]
+    q, v, last = rng.uniform(-0.4, 0.4, (3, 5, 2)) * [[[1]], [[5]], [[1]]]
+    v[0] *= 20
     echo = Echo(last, last[..., None] + rng.uniform(-1, 1, (5, 2, 9)) * model.features.widths)
     outlook = model.at(q, v, echo)
     commands = q + rng.uniform(-0.5, 0.5, (11, 5, 2))
@@ -209,7 +210,7 @@ def test_nothing_is_foretold_by_who_knows_next_to_nothing() -> None:
 
 
 def test_what_was_learned_apart_adds_up_in_any_order() -> None:
-    given, lives = frame(sticky), [lived(sticky, 60, seed) for seed in range(3)]
+    given, lives = frame(sticky), [lived(sticky, 200, seed) for seed in range(3)]
     apart = []
     for life in lives:
         apart.append(Explanations.empty(given, ""))
@@ -220,9 +221,11 @@ def test_what_was_learned_apart_adds_up_in_any_order() -> None:
         merged = Explanations.empty(given, "")
         for number in order:
             merged.merge(apart[number])
+            assert merged.lines.shape == (4, 2, len(COLUMNS)) and (merged.weights > 0).any()
         assert (merged.moments == whole.moments).all() and (merged.lines == whole.lines).all()
         assert (merged.table.counts == whole.table.counts).all()
         np.testing.assert_allclose(merged.evidence, sum(part.evidence for part in apart), rtol=1e-12)
+        assert merged.evidence.all() and merged.foretold.all()
         np.testing.assert_allclose(merged.squares, sum(part.squares for part in apart), rtol=1e-12)
         assert (merged.foretold == sum(part.foretold for part in apart)).all()
     with pytest.raises(BabblingError, match="only those of one pilot can be merged"):

@@ -94,6 +94,18 @@ def test_too_few_senses() -> None:
         find_schema(motors, senses, senses, np.zeros(2), np.ones(2), TICK)
 
 
+def test_commands_that_the_drive_cut_do_not_bend_the_line() -> None:
+    """What lies beyond what it accepts is sent as its end; the posture asked for is a line all the same."""
+    rng = np.random.default_rng(0)
+    motors = 0.3 * rng.standard_normal((300, 6, 2))
+    cut = np.clip(motors, -0.7, 0.7)
+    assert 0.01 < (cut != motors).mean() < 0.05
+    felt = np.concatenate([0.1 + 0.8 * cut, rng.standard_normal(cut.shape)], axis=-1)
+    found = find_schema(motors, felt, felt[:1], np.full(4, -2.0), np.full(4, 2.0), TICK)
+    np.testing.assert_allclose(found.slope, 0.8, atol=1e-9)
+    np.testing.assert_allclose(found.offset, 0.1, atol=1e-9)
+
+
 def test_a_sense_that_rests_still_is_no_surer_than_its_steps() -> None:
     """Uniform rounding to steps of r leaves r / sqrt(12), beside what trembles at rest."""
     rng = np.random.default_rng(0)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imitation.correspondence.inversion import JUMP, _library, _path, choose
+from imitation.correspondence.inversion import COMFORT, JUMP, NEAR, _library, _path, choose
 from tests.imitation.planar import image, pointing, view
 
 WEIGHTS = np.array([[1.0, 0.05]])
@@ -134,3 +134,25 @@ def test_the_posterior_prefers_postures_that_look_right() -> None:
         assert posterior.sum() == pytest.approx(1)
         misses = np.linalg.norm(pointing(of.library) - wanted, axis=-1)[:, 0]
         assert posterior[0] @ misses < 0.5 * misses.mean()
+
+
+def test_a_frame_in_which_nothing_is_seen_stays_near_the_one_before() -> None:
+    """The prior is carried on: where one was, spread by how far one usually goes and how comfortable it is there."""
+    of = image(remembered=60)
+    seen = view(of, 3)
+    weights = np.array([[1.0, 1.0], [1e-16, 1e-16], [1e-16, 1e-16]])
+    posterior, cells = _library(seen, pointing(np.array([[1.0, 0.8], [-1.0, 0.3], [-1.0, 0.3]])), weights)
+    carried = posterior[0]
+    for t in (1, 2):
+        wanted = np.zeros(len(cells))
+        for before, share in zip(cells, carried, strict=True):
+            ways = np.array(
+                [
+                    np.exp(-((there - before) ** 2).sum() / (2 * NEAR**2))
+                    * np.exp(-((there - seen.rest) ** 2).sum() / (2 * COMFORT**2))
+                    for there in cells
+                ]
+            )
+            wanted += share * ways / ways.sum()
+        np.testing.assert_allclose(posterior[t], wanted, atol=1e-6)
+        carried = wanted
