@@ -134,6 +134,7 @@ def test_the_habit_is_a_line_through_what_babbling_did() -> None:
         told = x @ np.linalg.lstsq(x, a, rcond=None)[0]
         mine = columns[:, f, : len(BEFORE)] @ model.habit[0][f]
         assert np.sqrt(np.mean((mine - told) ** 2)) < 0.05 * a.std()
+        assert model.habit[0][f, AT["before"]] == 0, "a habit is of places and paces, not of what was just said"
         assert model.habit[1][f] == pytest.approx(np.sqrt(np.mean((a - told) ** 2)), rel=0.01)
     q = columns[:, :, AT["posture"]]
     usual = model.at(q, columns[:, :, 1], Echo(q + columns[:, :, AT["before"]], q[..., None] + np.zeros(9))).usual
