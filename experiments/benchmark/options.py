@@ -55,8 +55,8 @@ class Config(Options):
     """ideal, noisy (0.2 degrees), worn, scrambled, payload, spring, backlash, hysteresis; or robots."""
     seeds: Annotated[int, some] = 2
     """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
-    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS
-    """Who imitates."""
+    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:11]
+    """Who imitates: also average_without_table, average_map, average_matching."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling."""
     attempts: Annotated[int, some] = 1
