@@ -136,6 +136,15 @@ class Explanations:
             mine += theirs
         self._forget()
 
+    def fade(self, keep: float) -> None:
+        """Let all that was counted and foretold so far weigh as much as this share of it: bodies change."""
+        for counted in (self.moments, self.table.counts, self.table.moments.sums):
+            counted[:] = np.rint(counted * keep)
+        for told in (self.evidence, self.squares, self.foretold):
+            told *= keep
+        self.table.refresh()
+        self._forget()
+
     def _forget(self) -> None:
         for known in ("lines", "errors", "weights", "habit", "_averaged", "spread"):
             vars(self).pop(known, None)

@@ -95,7 +95,7 @@ class ForwardModel:
                 self.add(count_categories(self.axes, some))
             else:
                 self._observe(some)
-        self._forget()
+        self.refresh()
 
     def _observe(self, values: list[FloatArray]) -> None:
         happened = ~np.logical_or.reduce([np.isnan(v) for v in values])
@@ -123,7 +123,7 @@ class ForwardModel:
             )
         self.counts += counts
         self.moments.sums[:, 0, 0] += counts.reshape(len(self.factors), -1).sum(1) * SCALE**2
-        self._forget()
+        self.refresh()
 
     def merge(self, other: "ForwardModel") -> None:
         """Add what another model of the same axes learned: equal to having learned on the union.
@@ -136,10 +136,10 @@ class ForwardModel:
         self.counts += other.counts
         self.outside += other.outside
         self.moments.sums += other.moments.sums
-        self._forget()
+        self.refresh()
 
-    def _forget(self) -> None:
-        """What follows from the counts has to be worked out anew."""
+    def refresh(self) -> None:
+        """What follows from the counts has to be worked out anew, for they have changed."""
         for table in ("predictive", "visits", "by_outcome", "mean", "habits"):
             vars(self).pop(table, None)
 

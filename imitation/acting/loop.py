@@ -50,6 +50,8 @@ class Info:
 
     believed: FloatArray
     """(B, F, 3) posture, rate, bias."""
+    missed: FloatArray
+    """(B, F, 2) felt posture and rate minus those foretold a tick before: the innovation of the belief."""
     wanted: FloatArray
     """(B, F) outcome that the inverse model was asked for."""
     commands: FloatArray
@@ -149,8 +151,10 @@ class Imitator:
         if not state.left:
             raise ImitationError(f"step {state.tick + 1} of a movement that ends with step {state.tick}")
         schema, belief = self.mind.pilot.schema, state.belief
+        felt = np.stack([senses[:, schema.posture], senses[:, schema.rate]], -1)
+        missed = felt - belief.mean[..., :2]
         if state.tick:  # the first senses made the belief
-            belief = self.estimate.correct(belief, senses[:, schema.posture], senses[:, schema.rate])
+            belief = self.estimate.correct(belief, felt[..., 0], felt[..., 1])
         before, target, after = (state.targets[max(tick, 0)] for tick in range(state.tick - 1, state.tick + 2))
         pace = (after - before) / ((2 if state.tick else 1) * self.tick_s)
         posture = target + self.eagerness * (belief.mean[..., 0] - target)
@@ -165,13 +169,14 @@ class Imitator:
         # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
         command = np.clip(posture + choice.action, self.mind.pilot.low, self.mind.pilot.high)
         nothing = np.zeros((*rate.shape, 0))
-        felt = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
-        predicted = self.estimate.predict(belief, command, self.inverse.expect(felt, command))
+        really = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
+        predicted = self.estimate.predict(belief, command, self.inverse.expect(really, command))
         echo = self.mind.pilot.frame.features.after(state.echo, command)
         outlook = self.mind.forward_model.at(posture, rate, state.echo)
         state = State(state.tick + 1, predicted, echo, state.targets)
         info = Info(
             believed=belief.mean,
+            missed=missed,
             wanted=wanted,
             commands=command,
             posterior=nothing if choice.posterior is None else choice.posterior.probability,
@@ -198,6 +203,7 @@ def imitate(
     terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
     witness: Callable[[], FloatArray] | None = None,
     ended: Callable[[FloatArray], str | None] = lambda senses: None,
+    heed: Callable[[State, FloatArray, Info], None] = lambda state, senses, info: None,
 ) -> list[Attempt]:
     """Reproduce a movement, `attempts` times: the loop around `Imitator.step`.
 
@@ -213,6 +219,7 @@ def imitate(
         terms: see `Imitator`.
         witness: reads (B, ...) something off the body at every tick, for those who judge.
         ended: asked with the (B, S) senses before every tick; why to stop there (fell, dropped, timed out), or None.
+        heed: told of every step, before it is done: the state before it, the senses, and what there is to see.
 
     Raises:
         ImitationError: no attempts, another tick.
@@ -228,7 +235,7 @@ def imitate(
     practice = Practice.empty(len(goals), body.copies, goals.shape[-1])
     done = []
     for _ in range(attempts):
-        done.append(_attempt(body, imitator, practice.aim, rng, witness, ended))
+        done.append(_attempt(body, imitator, practice.aim, rng, witness, ended, heed))
         practice = practice.after(goals[: len(done[-1].senses)] - done[-1].believed[..., 0])
     return done
 
@@ -240,13 +247,15 @@ def _attempt(
     rng: np.random.Generator,
     witness: Callable[[], FloatArray] | None,
     ended: Callable[[FloatArray], str | None],
+    heed: Callable[[State, FloatArray, Info], None],
 ) -> Attempt:
     felt = body.reset()
     state, why, way = imitator.start(felt, aim), None, imitator.start(felt).targets
     first, senses, truth, infos = state.left - len(imitator.goals), [], [], list[Info]()
     while state.left and why is None:
         why = ended(felt)
-        state, motors, info = imitator.step(state, felt, rng)
+        before, (state, motors, info) = state, imitator.step(state, felt, rng)
+        heed(before, felt, info)
         senses.append(felt)
         truth.append(witness().copy() if witness else np.zeros((body.copies, 0)))
         # many copies' posteriors would fill the memory

@@ -1,0 +1,1 @@
+"""A body changes while it imitates: does it notice, and does it learn?"""

@@ -1,0 +1,5 @@
+"""`python -m experiments.gesture` does what `imitate notice` does."""
+
+from experiments.__main__ import script
+
+script(__package__)
