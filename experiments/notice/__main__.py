@@ -1,4 +1,4 @@
-"""`python -m experiments.gesture` does what `imitate notice` does."""
+"""`python -m experiments.notice` does what `imitate notice` does."""
 
 from experiments.__main__ import script
 

@@ -1,7 +1,7 @@
 """Counting on: what is felt while imitating is experience too.
 
-Each step is a transition as in babbling (`babbling.pilot`), foretold first and counted afterwards. What was counted long
-ago fades, for it may no longer hold; after a change that was noticed, it fades at once to a share.
+Each step is a transition as in babbling (`babbling.pilot`), foretold first and counted afterwards. What was
+counted long ago may no longer hold: after a change that was noticed it fades to a share.
 """
 
 from copy import deepcopy
@@ -20,6 +20,7 @@ class CountingOn:
     def __init__(self, mind: Mind) -> None:
         self.mind = replace(mind, forward_model=deepcopy(mind.forward_model))
         self._columns, self._outcome = list[FloatArray](), list[FloatArray]()
+        self._coasted = np.zeros(0)
 
     def __call__(self, state: State, senses: FloatArray, info: Info) -> None:
         """See `imitate`."""
@@ -33,10 +34,12 @@ class CountingOn:
         self._columns.append(np.concatenate([features.before(posture, rate, state.echo), acted], -1))
         self._coasted = posture + pilot.dynamics.coasting * rate
 
-    def count(self, keep: float = 1.0) -> None:
-        """Let what is known fade to this share, then foretell and count what was felt since."""
+    def count(self, keep: float = 1.0) -> tuple[FloatArray, FloatArray]:
+        """Let what is known fade to this share, then foretell and count what was felt since: returns these (N, F,
+        COLUMNS) features and (N, F) outcomes."""
         model, n = self.mind.forward_model, len(self._outcome)
         model.fade(keep)
         columns, outcome = (np.concatenate(x) for x in (self._columns[:n], self._outcome))
         model.observe(columns, outcome)
         self._columns, self._outcome = [], []
+        return columns, outcome

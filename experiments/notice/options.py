@@ -1,0 +1,34 @@
+"""Options of `imitate notice`."""
+
+from typing import Annotated
+
+from experiments.shared.options import (
+    BABBLING_MINUTES,
+    BodyOptions,
+    Demonstration,
+    Minutes,
+    ToRead,
+    options,
+    some,
+    within,
+)
+
+
+@options
+class Config(BodyOptions):
+    """Options of `imitate notice`; the robot is one with a left_hand and a right_hand."""
+
+    cases: Annotated[int, within(2, 1000)] = 40
+    """How often a motor jams, a hand takes up 200 g, and two wires are swapped."""
+    healthy_minutes: Minutes = 4.0
+    """Body-minutes of imitation without any change, for false alarms."""
+    rehearsal_minutes: Minutes = 6.0
+    """Body-minutes of rehearsal, from which chance is known."""
+    demonstrations: tuple[Demonstration, ...] = ("icub-wave", "human-raise")
+    """What is imitated with 200 g in the right hand while counting on: built-in names or files."""
+    learners: Annotated[int, some] = 1
+    """Seeds of those that count on; HOAP-2 only."""
+    babbling_minutes: Minutes = BABBLING_MINUTES
+    """Body-minutes of babbling."""
+    forward_model: ToRead | None = None
+    """A forward model that `imitate babble` left; no babbling then, but by those that count on."""
