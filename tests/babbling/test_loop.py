@@ -8,6 +8,7 @@ from babbling.exploration import MotorRange, smooth
 from babbling.files import load, save
 from babbling.loop import babble, bouts, experience, explore, flat
 from babbling.mind import Mind, learn
+from babbling.pilot import begin
 from models.loading import load_body
 
 FORETOLD = ("evidence", "squares", "foretold")
@@ -66,6 +67,28 @@ def test_explore_begins_at_rest_and_holds_each_command_for_a_tick(arm, arm_mind)
         assert (body.act(motors[t]) == senses[t + 1]).all()
     before, command, after = flat(motors, senses)
     assert (before[3:] == after[:-3]).all() and len(command) == 36
+
+
+def test_what_is_learned_from_a_run_is_what_happened_beyond_coasting(arm, arm_mind):
+    body, pilot = load_body(arm, copies=3), arm_mind.pilot
+    motors, senses = explore(body, pilot.stream(body, np.random.default_rng(0)), 12)
+    columns, outcome = pilot.experienced(motors, senses)
+    q, v = senses[..., pilot.schema.posture], senses[..., pilot.schema.rate]
+    whole = pilot.frame.features.of(q[:-1], v[:-1], pilot.schema.efference(motors))
+    for t, copy in np.ndindex(12, 3):
+        drift = pilot.dynamics.coasting * v[t, copy]
+        np.testing.assert_allclose(outcome[3 * t + copy], q[t + 1, copy] - q[t, copy] - drift, atol=1e-15)
+        np.testing.assert_array_equal(columns[3 * t + copy], whole[t, copy])
+
+
+def test_a_pilot_has_counted_what_it_lived_through_and_foretold_nothing_of_it(arm):
+    body = load_body(arm, copies=8)
+    found, begun = begin(body, 0)
+    assert begun.transitions * body.tick_s / 60 == pytest.approx(3 * found.counted_minutes)
+    assert not begun.foretold.any() and not begun.evidence.any()
+    share = found.frame.features.share
+    np.testing.assert_allclose(share.sum(1), 1)
+    assert (np.abs(share[:, 1:]).max(1) > 1e-6).all(), "found, not taken as it was begun with"
 
 
 def test_smooth_babbling_keeps_to_its_range_its_speed_and_its_rest():
