@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import experiments.notice.run
+import experiments.notice.trials
 from babbling.features import BEFORE, COLUMNS
 from experiments.notice.counting import FORGETTING, RecursiveLine
 from experiments.notice.run import Config, run
@@ -52,6 +53,7 @@ def test_the_recursive_line_is_weighted_least_squares(arm_mind) -> None:
 
 def test_a_small_run_leaves_everything(hasty, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(experiments.notice.run, "COPIES", 4)
+    monkeypatch.setattr(experiments.notice.trials, "CASE_S", 1.2)
     config = Config(
         cases=2, healthy_minutes=0.1, rehearsal_minutes=0.3, babbling_minutes=0.3, demonstrations=("icub-wave",),
         robot="hoap2-backlash", out=tmp_path / "out",
