@@ -1,8 +1,9 @@
 """The forward model of one's own movements: rival explanations, averaged by how well each foretold what happened.
 
 Chapter, section 3.1: P(s_{t+1} | s_t, a_t) is learned from babbling. Which kind of law a joint obeys is not known, so
-several are kept (`babbling.features`): lines in few and in many features, and a Dirichlet table that counts by how much
-the displacement departs from the richest line, given rate and effort. Each tells a mean m_e and an error s_e:
+several are kept (`babbling.features`): lines in few and in many features, of the joint alone or of the whole body, and
+a Dirichlet table that counts by how much the displacement departs from a joint's richest line, given rate and effort.
+Each tells a mean m_e and an error s_e:
 
     E[w | x] = sum_e P_e m_e(x),     log P_e = sum over new experience of log N(w; m_e(x), s_e^2)  + const.
 
@@ -20,7 +21,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray, same_axes
 from babbling.errors import BabblingError
-from babbling.features import BEFORE, COLUMNS, LINES, Echo
+from babbling.features import BEFORE, COLUMNS, LINES, Echo, names, weighing
 from babbling.forward_model import ForwardModel, Rows
 from babbling.frame import RIDGE, Frame, whole
 from babbling.kinds import Numbers
@@ -35,7 +36,7 @@ SURPRISE = 36.0
 """Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
 NOTICED = 1e-3
 """An explanation that is less probable is not asked."""
-_BEFORE = len(BEFORE)
+_BEFORE, _OWN = len(BEFORE), len(COLUMNS)
 
 
 @dataclass(eq=False)
@@ -49,7 +50,7 @@ class Explanations:
     table: Annotated[ForwardModel, Numbers("motor")]
     """P(departure | rate, effort), on bent axes."""
     moments: Annotated[IntArray, Numbers("motor term term_", low=-(2.0**62), high=2.0**62)]
-    """(F, C + 1, C + 1) `LinearGaussian.sums` of the columns and w."""
+    """(F, C + 2 F + 1, C + 2 F + 1) `LinearGaussian.sums` of the columns and w."""
     evidence: Annotated[FloatArray, Numbers("motor explanation", "nat", low=-1e15, high=1e15)]
     """(F, E) log P_e, up to a constant."""
     squares: Annotated[FloatArray, Numbers("motor explanation", low=0, high=1e12)]
@@ -100,7 +101,7 @@ class Explanations:
     # ---------------------------------------------------------------- learning
 
     def observe(self, columns: FloatArray, outcome: FloatArray, *, foretell: bool = True) -> None:
-        """Foretell, then count: (N, F, COLUMNS) and (N, F), in the order in which they happened."""
+        """Foretell, then count: (N, F, COLUMNS + 2 F) and (N, F), in the order in which they happened."""
         start = 0
         while start < len(outcome):
             size = max(BLOCK, int(self.sums.samples.min()) // 4)
@@ -109,7 +110,7 @@ class Explanations:
                 self._foretell(x, w)
             self.sums.observe(np.concatenate([x[..., 1:], w[..., None]], axis=-1), np.ones(w.shape, bool))
             rate, effort = self.frame.bent(x)
-            self.table.observe((rate,), effort, w - (x * self.frame.line).sum(-1))
+            self.table.observe((rate,), effort, w - (x[..., :_OWN] * self.frame.line).sum(-1))
             self._forget()
             start += size
 
@@ -153,12 +154,13 @@ class Explanations:
 
     @cached_property
     def lines(self) -> FloatArray:
-        """(E, F, COLUMNS) weights of each line; of the table, those of the line from which it departs."""
-        fits = [whole(self.fit(name), name) for name in LINES]
-        return np.stack([*fits, self.frame.line])
+        """(E, F, COLUMNS + 2 F) weights of each line; of the table, those of the line from which it departs."""
+        fits = np.stack([*(whole(self.fit(name), name) for name in LINES), 0 * whole(self.fit("line"), "line")])
+        fits[-1, :, :_OWN] = self.frame.line
+        return fits
 
     def foretold_by(self, columns: FloatArray) -> FloatArray:
-        """(N, F, E) m_e(x) of (N, F, COLUMNS) features: what each explanation expects."""
+        """(N, F, E) m_e(x) of (N, F, COLUMNS + 2 F) features: what each explanation expects."""
         means: FloatArray = np.einsum("nfx,efx->nfe", columns, self.lines)
         rate, effort = self.frame.bent(columns)
         means[..., -1] += self.table.at((rate,)).expected(effort)
@@ -166,12 +168,12 @@ class Explanations:
 
     def fit(self, explanation: str) -> LinearFit:
         """The posterior of a line's weights."""
-        return self.sums.fit(["outcome"], LINES[explanation], RIDGE)
+        return self.sums.fit(["outcome"], names(explanation, len(self.factors)), RIDGE)
 
     @cached_property
     def errors(self) -> FloatArray:
         """(F, E) s_e: what foretelling missed by so far (a block's worth of it what the lines leave of their own)."""
-        own = np.stack([np.sqrt(self.fit(name).covariance[:, 0, 0]) for name in (*LINES, "play")], axis=-1)
+        own = np.stack([np.sqrt(self.fit(name).covariance[:, 0, 0]) for name in (*LINES, "gravity")], axis=-1)
         return np.asarray(np.sqrt((self.squares + BLOCK * own**2) / (self.foretold[:, None] + BLOCK)))
 
     @cached_property
@@ -198,17 +200,17 @@ class Explanations:
     @property
     def slope(self) -> FloatArray:
         """(F,) E[w] per unit of command, where plays and dead zones are taken up."""
-        return np.asarray(self._averaged[:, _BEFORE:].sum(1))
+        return np.asarray(self._averaged[:, _BEFORE:_OWN].sum(1))
 
     @cached_property
     def _averaged(self) -> FloatArray:
-        """(F, COLUMNS) lines averaged: they are linear in their weights."""
+        """(F, COLUMNS + 2 F) lines averaged: they are linear in their weights."""
         return np.asarray(np.einsum("fe,efx->fx", self.weights, self.lines))
 
     def at(self, posture: FloatArray, rate: FloatArray, echo: Echo) -> "Outlook":
         """What may come of (..., F) postures and rates, given what earlier commands left."""
         before = self.features.before(posture, rate, echo)
-        fixed = (before * self._averaged[:, :_BEFORE]).sum(-1)
+        fixed = (before * self._averaged[:, :_BEFORE]).sum(-1) + weighing(posture) @ self._averaged[:, _OWN:].T
         return Outlook(self, posture, echo, before, fixed)
 
 
@@ -228,7 +230,7 @@ class Outlook(NamedTuple):
         """(n..., ..., F) E[w | x] of commands."""
         known = self.explanations
         plays = known.features.plays(self.echo, command) - self.posture[..., None]
-        mean = self.fixed + (known.features.acted(plays) * known._averaged[:, _BEFORE:]).sum(-1)
+        mean = self.fixed + (known.features.acted(plays) * known._averaged[:, _BEFORE:_OWN]).sum(-1)
         trusted = known.weights[:, -1]
         if trusted.any():
             mean = mean + trusted * self._rows(mean.shape).expected(self._effort(plays))

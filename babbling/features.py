@@ -6,6 +6,7 @@ it, c', all as postures:
 
     1, v, c' - q, tanh(v / r_i), q, q^2, max(q - k_i, 0)        what is there before one acts
     p_j - q,      dead(e, z_i) = sign(e) max(|e| - z_i, 0)      what acting adds
+    sin q_k, cos q_k of every joint k                           what weighs on it
 
 p_j is the command after a play (hysteresis operator) of half width h_j: p_j = min(max(p_j', c - h_j), c + h_j). A
 weighted sum of plays is the Prandtl-Ishlinskii operator, which describes gears with backlash, dry friction and rubber
@@ -34,13 +35,25 @@ BEFORE = ("one", "rate", "before", "slow", "slower", "posture", "squared", *(f"h
 PLAYS = ("action", *(f"play {j}" for j in range(1, len(WIDTHS))))
 DEAD = tuple(f"zone {i + 1}" for i in range(len(ZONES)))
 COLUMNS = (*BEFORE, *PLAYS, *DEAD)
-"""The features, in order."""
+"""The features of a joint's own, in order; those of the whole body come after them."""
 LINES = {
     "line": ("rate", "action"),
     "posture": (*BEFORE[1:7], "action"),
     "play": COLUMNS[1:],
+    "gravity": COLUMNS[1:],
 }
-"""What each explanation that is a line looks at, besides 1."""
+"""What each explanation that is a line looks at, besides 1; gravity's looks at the whole body as well."""
+
+
+def names(explanation: str, joints: int) -> tuple[str, ...]:
+    """What a line looks at in a body of so many joints, besides 1."""
+    weighs = [f"{turn} {k}" for turn in ("sin", "cos") for k in range(joints)] if explanation == "gravity" else ()
+    return (*LINES[explanation], *weighs)
+
+
+def weighing(posture: FloatArray) -> FloatArray:
+    """(..., 2 F) sines and cosines of (..., F) postures: what weighs on every joint."""
+    return np.concatenate([np.sin(posture), np.cos(posture)], axis=-1)
 
 
 class Echo(NamedTuple):
@@ -99,9 +112,16 @@ class Features:
         return np.asarray((plays * self.share).sum(-1))
 
     def of(self, posture: FloatArray, rate: FloatArray, command: FloatArray) -> FloatArray:
-        """(T, B, F, COLUMNS) of a run from rest: (T, B, F) postures, rates and the commands given there."""
+        """(T, B, F, COLUMNS + 2 F) of a run from rest: (T, B, F) postures, rates and the commands given there."""
         echo, rows = self.start(posture[0]), []
         for q, v, c in zip(posture, rate, command, strict=True):
-            here, echo = self.before(q, v, echo), self.after(echo, c)
-            rows.append(np.concatenate([here, self.acted(echo.plays - q[..., None])], axis=-1))
+            after = self.after(echo, c)
+            rows.append(self.columns(q, v, echo, after.plays))
+            echo = after
         return np.stack(rows)
+
+    def columns(self, posture: FloatArray, rate: FloatArray, echo: Echo, plays: FloatArray) -> FloatArray:
+        """(B, F, COLUMNS + 2 F) of (B, F) postures and rates, when the plays come to (B, F, J)."""
+        weighs = np.broadcast_to(weighing(posture)[:, None], (*posture.shape, 2 * posture.shape[-1]))
+        acted = self.acted(plays - posture[..., None])
+        return np.concatenate([self.before(posture, rate, echo), acted, weighs], axis=-1)

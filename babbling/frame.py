@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 
 from babbling.axes import Axis, FloatArray, same_axes
-from babbling.features import BEFORE, COLUMNS, HINGES, LINES, PLAYS, Features
+from babbling.features import BEFORE, COLUMNS, HINGES, PLAYS, Features, names
 from babbling.kinds import Numbers
 from babbling.regression import LinearFit, LinearGaussian
 
@@ -24,7 +24,7 @@ LEAST = 1e-3
 RIDGE = 1e-4
 """Prior precision of a line's weights, in units of each feature's mean square and the noise's, per transition."""
 _BENDS = slice(COLUMNS.index("squared") - 1, COLUMNS.index("squared") + HINGES)
-_BEFORE, _PLAYS = len(BEFORE), slice(len(BEFORE), len(BEFORE) + len(PLAYS))
+_BEFORE, _PLAYS, _OWN = len(BEFORE), slice(len(BEFORE), len(BEFORE) + len(PLAYS)), slice(len(COLUMNS))
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Frame:
     reach: Annotated[FloatArray, Numbers("motor channel", low=0, zero=False)]
     """(F, C) largest size of each column but the first, and of w; larger values are cut."""
     line: Annotated[FloatArray, Numbers("motor column")]
-    """(F, COLUMNS) the pilot's richest line, from which the table counts departures."""
+    """(F, COLUMNS) the pilot's richest line of a joint's own, from which the table counts departures."""
     centre: Annotated[FloatArray, Numbers("motor before")]
     """(F, BEFORE) a line through the effort that babbling took: it is counted beyond that."""
     bend: Annotated[FloatArray, Numbers("motor bend", low=0, zero=False)]
@@ -54,7 +54,7 @@ class Frame:
         reach[:, _BENDS] = np.maximum(np.concatenate([far**2, far - features.knots], axis=1), LEAST)
         sums = _sums(reach)
         sums.observe(channels, np.ones(outcome.shape, bool))
-        line = whole(sums.fit(["outcome"], LINES["play"], RIDGE), "play")
+        line = whole(sums.fit(["outcome"], names("play", len(reach)), RIDGE), "play")
         effort = features.effort(columns[..., _PLAYS])
         told = np.concatenate([columns[..., 1:_BEFORE], effort[..., None]], axis=-1)
         ends = np.abs(told).max(0) + 1e-9
@@ -64,11 +64,11 @@ class Frame:
         beyond = np.stack([columns[..., 1], effort - (columns[..., :_BEFORE] * centre).sum(-1)], axis=-1)
         bend = np.quantile(np.abs(beyond), 0.5, axis=0) + 1e-9
         ends = np.arcsinh(_most(beyond) / bend)
-        most = _most((outcome - (columns * line).sum(-1))[..., None])[:, 0]
+        most = _most((outcome - (columns[..., _OWN] * line[:, _OWN]).sum(-1))[..., None])[:, 0]
         return cls(
             features,
             reach,
-            line,
+            line[:, _OWN],
             centre,
             bend,
             Axis("rate", "1", -ends[:, 0], ends[:, 0], GRID[0]),
@@ -93,9 +93,11 @@ class Frame:
 
 
 def whole(fit: LinearFit, name: str) -> FloatArray:
-    """(F, COLUMNS) weights of the line `name`, 0 for what it does not look at."""
-    line = np.zeros((len(fit.samples), len(COLUMNS)))
-    line[:, [0, *(COLUMNS.index(column) for column in LINES[name])]] = fit.coefficients[:, 0]
+    """(F, COLUMNS + 2 F) weights of the line `name`, 0 for what it does not look at."""
+    joints = len(fit.samples)
+    columns = ("one", *names("gravity", joints))
+    line = np.zeros((joints, len(columns)))
+    line[:, [0, *(columns.index(column) for column in names(name, joints))]] = fit.coefficients[:, 0]
     return line
 
 
@@ -115,4 +117,4 @@ def _most(values: FloatArray) -> FloatArray:
 
 
 def _sums(reach: FloatArray) -> LinearGaussian:
-    return LinearGaussian((*COLUMNS[1:], "outcome"), -reach, reach)
+    return LinearGaussian((*names("gravity", len(reach)), "outcome"), -reach, reach)

@@ -13,6 +13,7 @@ from typing import Annotated
 import numpy as np
 
 from babbling.axes import Axis, FloatArray
+from babbling.belief import StateEstimate
 from babbling.body import Body
 from babbling.dynamics import LinearDynamics, fit_dynamics
 from babbling.errors import BabblingError
@@ -54,13 +55,18 @@ class Pilot:
         return self.minutes * PILOT_S / (SETTLE_S + REST_S + WIRING_S + PILOT_S)
 
     def experienced(self, motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(N, F, COLUMNS) features and (N, F) outcomes of a run from rest, in the order in which they happened.
+        """(N, F, COLUMNS + 2 F) features and (N, F) outcomes of a run from rest, in the order in which they happened.
 
         Law, per factor with posture q, rate v, commanded posture c: outcome w = q' - q - k v, the displacement beyond
         coasting, where k is how far a body moving at unit rate drifts in one tick when it is told to stay (a servo
-        brakes: k is well below the tick).
+        brakes: k is well below the tick). Postures and rates are the believed ones, as they are when one acts: noise
+        that is felt stands in q, c - q and w alike and would pass for a law of the body.
         """
-        return _experienced(self.schema, self.dynamics, self.frame.features, motors, senses)
+        return _experienced(self.frame.features, self.dynamics, *self.believed(motors, senses))
+
+    def believed(self, motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(T + 1, B, F, 3) believed posture, rate and bias of a run from rest, and its (T, B, F) commanded postures."""
+        return _believed(self.schema, self.dynamics, motors, senses)
 
     def learn(self, model: Explanations, motors: FloatArray, senses: FloatArray) -> None:
         """Foretell and count a run."""
@@ -106,6 +112,7 @@ def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
     dynamics = fit_dynamics(schema, motors, senses)
+    run = _believed(schema, dynamics, motors, senses)
     scale = np.abs(schema.slope)[:, None]
     # lines bend where one has been on both sides
     inner = np.quantile(senses[..., schema.posture], np.linspace(0.05, 0.95, HINGES), axis=(0, 1))
@@ -118,9 +125,9 @@ def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
         np.array(ZONES) * jitter,
         np.repeat(all_direct, len(low), axis=0),
     )
-    seen = _experienced(schema, dynamics, features, motors, senses)
+    seen = _experienced(features, dynamics, *run)
     features = replace(features, share=shares(*seen))
-    seen = _experienced(schema, dynamics, features, motors, senses)
+    seen = _experienced(features, dynamics, *run)
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
     frame = Frame.found(features, *seen)
     found = Pilot(schema, span, low, high, dynamics, frame, minutes, body.fingerprint)
@@ -129,11 +136,24 @@ def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
     return found, model
 
 
-def _experienced(
-    schema: BodySchema, dynamics: LinearDynamics, features: Features, motors: FloatArray, senses: FloatArray
+def _believed(
+    schema: BodySchema, dynamics: LinearDynamics, motors: FloatArray, senses: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    q, v = senses[..., schema.posture], senses[:-1, ..., schema.rate]
-    columns = features.of(q[:-1], v, schema.efference(motors))
+    estimate, told = StateEstimate(schema, dynamics), schema.efference(motors)
+    posture, rate = senses[..., schema.posture], senses[..., schema.rate]
+    belief = estimate.start(posture[0], rate[0])
+    means = [belief.mean]
+    for command, q, v in zip(told, posture[1:], rate[1:], strict=True):
+        belief = estimate.correct(estimate.predict(belief, command), q, v)
+        means.append(belief.mean)
+    return np.stack(means), told
+
+
+def _experienced(
+    features: Features, dynamics: LinearDynamics, believed: FloatArray, told: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    q, v = believed[..., 0], believed[:-1, ..., 1]
+    columns = features.of(q[:-1], v, told)
     outcome = q[1:] - q[:-1] - v * dynamics.coasting
     return columns.reshape(-1, *columns.shape[2:]), outcome.reshape(-1, outcome.shape[-1])
 

@@ -119,7 +119,7 @@ def inverse_models(mind: Mind, lived: Sequence[Steps], models: Sequence[str]) ->
         "trees": lambda: [peers.trees(seen, line, forward)],
         "lqr": lambda: [peers.lqr(mind.pilot.dynamics, weight, line) for weight in (1e-3, 1.0)],
         "average_without_table": lambda: [averaged(replace(model, evidence=evidence))],
-        "average_map": lambda: [averaged(model, "map")],
+        "average_mean": lambda: [averaged(model, "mean")],
         "average_matching": lambda: [averaged(model, "matching")],
     }
     return {name: makers[name]() for name in models if name in makers}

@@ -27,7 +27,7 @@ BODIES: Mapping[str, Mapping[str, Any]] = MappingProxyType({
 """What each is, besides HOAP-2."""
 MODELS = (
     "average", "table", "replay", "inverse_line", "forward_line", "gaussian", "feature_line", "feature_line_forward",
-    "mlp", "trees", "lqr", "average_without_table", "average_map", "average_matching",
+    "mlp", "trees", "lqr", "average_without_table", "average_mean", "average_matching",
 )  # fmt: skip
 """The imitator; its peers; and what of it is left without the table or with other rules of selection."""
 PEERS, LEARNERS = MODELS[1:11], MODELS[8:10]
@@ -56,7 +56,7 @@ class Config(Options):
     seeds: Annotated[int, some] = 2
     """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
     models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:11]
-    """Who imitates: also average_without_table, average_map, average_matching."""
+    """Who imitates: also average_without_table, average_mean, average_matching."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling."""
     attempts: Annotated[int, some] = 1

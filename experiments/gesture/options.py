@@ -26,7 +26,7 @@ class Config(BodyOptions, MirrorOptions):
     """Joint angles (.csv, .npz) that a .urdf teacher performs."""
     correspondence: Literal["learned", "ik"] = "learned"
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
-    selection: Selection = "mean"
+    selection: Selection = "map"
     """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
     attempts: Annotated[int, some] = 1
     """How often to try; each attempt corrects what the one before missed."""

@@ -34,7 +34,7 @@ class Config(EyeOptions):
     """Body-minutes of babbling with the neck, over all copies."""
     lessons: Annotated[int, within(100, 5000, "mirrored postures")] = 400
     """Postures that the caregiver mirrors."""
-    selection: Selection = "mean"
+    selection: Selection = "map"
     """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
     start_pan_deg: Annotated[float, within(-90, 90, "degrees")] = 0.0
     """Where the imitator happens to look at first; it searches when it sees no face there."""

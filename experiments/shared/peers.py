@@ -51,8 +51,8 @@ class Steps(NamedTuple):
     @classmethod
     def lived(cls, found: Pilot, motors: FloatArray, senses: FloatArray) -> "Steps":
         """Of a run from rest: (T, B, M) commands, (T + 1, B, S) sensations."""
-        schema = found.schema
-        told, q, v = schema.efference(motors), senses[..., schema.posture], senses[..., schema.rate]
+        believed, told = found.believed(motors, senses)
+        q, v = believed[..., 0], believed[..., 1]
         past, outcome = np.concatenate([q[:1], told[:-1]]), q[1:] - q[:-1] - v[:-1] * found.dynamics.coasting
         parts = q[:-1], v[:-1], past - q[:-1], v[1:], told - q[:-1], outcome
         return cls(*(part.reshape(-1, part.shape[-1]) for part in parts))

@@ -25,13 +25,12 @@ class CountingOn:
     def __call__(self, state: State, senses: FloatArray, info: Info) -> None:
         """See `imitate`."""
         pilot = self.mind.pilot
-        features, posture, rate = pilot.frame.features, senses[:, pilot.schema.posture], senses[:, pilot.schema.rate]
+        features, (posture, rate, _) = pilot.frame.features, np.moveaxis(info.believed, -1, 0)
         if state.tick:
             self._outcome.append(posture - self._coasted)
         else:
             self._columns = self._columns[: len(self._outcome)]
-        acted = features.acted(features.plays(state.echo, info.commands) - posture[..., None])
-        self._columns.append(np.concatenate([features.before(posture, rate, state.echo), acted], -1))
+        self._columns.append(features.columns(posture, rate, state.echo, features.plays(state.echo, info.commands)))
         self._coasted = posture + pilot.dynamics.coasting * rate
 
     def count(self, keep: float = 1.0) -> tuple[FloatArray, FloatArray]:

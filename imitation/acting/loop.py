@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from babbling.axes import BoolArray, FloatArray, fixed
+from babbling.belief import StateEstimate
 from babbling.body import Body
 from babbling.features import Echo
+from babbling.kalman import Belief
 from babbling.mind import Mind
 from imitation.acting.attempts import Practice
-from imitation.acting.belief import StateEstimate
 from imitation.acting.movement import Movement, approach
 from imitation.errors import ImitationError
-from imitation.filters.kalman import Belief
 from imitation.inference.inverse import Term
 from imitation.inference.moving import AveragedInverse, Here, MovingInverse
 
@@ -112,7 +112,7 @@ class Imitator:
         mind: Mind,
         movement: Movement,
         *,
-        selection: str = "mean",
+        selection: str = "map",
         inverse: MovingInverse | None = None,
         eagerness: FloatArray | float | None = None,
         terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
@@ -195,7 +195,7 @@ def imitate(
     movement: Movement,
     mind: Mind,
     *,
-    selection: str = "mean",
+    selection: str = "map",
     attempts: int = 1,
     rng: np.random.Generator,
     inverse: MovingInverse | None = None,

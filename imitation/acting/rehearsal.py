@@ -18,7 +18,7 @@ from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement, together
 from imitation.inference.moving import AveragedInverse, MovingInverse
 
-EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Candidates, one per copy of the body, the calmest first."""
 CALM = 1.15
 """The calmest candidate within this factor of the best is kept: what is eager enough today may hunt tomorrow."""

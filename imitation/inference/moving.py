@@ -4,7 +4,8 @@
 
 The likelihood is the average of rival explanations (`babbling.explanations`), P(a | s) the habit, h how far it is
 trusted. An action is a real number: a first look, as far as stiction and play may carry, finds where the posterior is
-more than nothing; there it is worked out at even distances.
+more than nothing; there it is worked out at even distances. The most probable action is the default: where stiction or
+play make two ways equally likely, their mean is neither.
 """
 
 from collections.abc import Callable, Sequence
@@ -88,7 +89,7 @@ class AveragedInverse:
     def __init__(
         self,
         forward_model: Explanations,
-        selection: str = "mean",
+        selection: str = "map",
         *,
         trust: FloatArray | float = 0.1,
         prior: Prior | None = None,

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.kalman import Belief, System, constant_velocity, predict, smooth, update
 from babbling.regression import regress
 from imitation.errors import ImitationError
-from imitation.filters.kalman import Belief, System, constant_velocity, predict, smooth, update
 
 DEGREE = 4
 """Of the polynomial in pan and tilt: a head that turns by 30 degrees hides and shows parts of its features."""

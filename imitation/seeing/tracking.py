@@ -21,9 +21,9 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from babbling.axes import FloatArray
+from babbling.kalman import Belief, System, constant_velocity, predict, update
 from imitation.errors import ImitationError
 from imitation.filters import particles as pf
-from imitation.filters.kalman import Belief, System, constant_velocity, predict, update
 
 CONFIRMED = 3  # sightings after which a look-alike counts as a thing
 DOUBT_FRAMES = 2.5  # frames unseen after which one flash no longer counts as the thing come back

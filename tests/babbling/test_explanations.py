@@ -18,7 +18,7 @@ AT = {name: number for number, name in enumerate(COLUMNS)}
 def mixed(rule=sticky) -> Explanations:
     """One that trusts all explanations to some degree, each factor otherwise."""
     model = learned(rule, 300)
-    model.evidence[:] = np.log([[0.1, 0.2, 0.3, 0.4], [0.4, 0.3, 0.2, 0.1]])
+    model.evidence[:] = np.log([[0.1, 0.2, 0.25, 0.05, 0.4], [0.4, 0.3, 0.1, 0.1, 0.1]])
     model._forget()
     return model
 
@@ -55,14 +55,21 @@ def test_each_line_is_least_squares_on_what_it_looks_at() -> None:
     model = learned(bent, 300)
     parts = [lived(bent, 400, 0), lived(bent, 300, 1)]
     columns, outcome = (np.concatenate(part) for part in zip(*parts, strict=True))
-    for number, name in enumerate(("line", "posture")):
+    assert columns.shape[-1] == len(COLUMNS) + 4
+    for number, name in enumerate(("line", "posture", "gravity")):
         chosen = [0, *(AT[column] for column in LINES[name])]
+        if name == "gravity":
+            assert EXPLANATIONS[3] == name
+            number, chosen = 3, list(range(columns.shape[-1]))
         for f in range(2):
-            wanted = np.zeros(len(COLUMNS))
+            wanted = np.zeros(columns.shape[-1])
             wanted[chosen] = np.linalg.lstsq(columns[:, f, chosen], outcome[:, f], rcond=None)[0]
             told = columns[:, f] @ model.lines[number, f]
-            np.testing.assert_allclose(told, columns[:, f] @ wanted, atol=0.02 * outcome[:, f].std())
-    np.testing.assert_array_equal(model.lines[-1], model.frame.line)
+            np.testing.assert_allclose(
+                told, columns[:, f] @ wanted, atol=(0.05 if name == "gravity" else 0.02) * outcome[:, f].std()
+            )
+    np.testing.assert_array_equal(model.lines[-1, :, : len(COLUMNS)], model.frame.line)
+    assert not model.lines[:3, :, len(COLUMNS) :].any() and not model.lines[-1, :, len(COLUMNS) :].any()
 
 
 def test_the_average_is_the_sum_of_all_by_their_weights() -> None:
@@ -78,7 +85,7 @@ def test_the_average_is_the_sum_of_all_by_their_weights() -> None:
     table = model.table
     for number, command in enumerate(commands):
         plays = model.features.plays(echo, command)
-        columns = np.concatenate([model.features.before(q, v, echo), model.features.acted(plays - q[..., None])], -1)
+        columns = model.features.columns(q, v, echo, plays)
         rate, effort = model.frame.bent(columns)
         for b, f in np.ndindex(5, 2):
             lines = [columns[b, f] @ model.lines[e, f] for e in range(len(EXPLANATIONS))]
@@ -154,7 +161,7 @@ def test_evidence_is_what_each_said_of_what_it_had_not_seen(monkeypatch) -> None
     model.observe(columns[:known], outcome[:known], foretell=False)
     assert not (model.evidence.any() or model.squares.any() or model.foretold.any())
     model.observe(columns[known:], outcome[known:])
-    evidence, squares, foretold, start = np.zeros((2, 4)), np.zeros((2, 4)), 0, known
+    evidence, squares, foretold, start = np.zeros((2, 5)), np.zeros((2, 5)), 0, known
     ends = given.reach[:, :-1], given.reach[:, -1]  # what is larger is cut before it is counted
     kept = np.copy(columns), np.clip(outcome, -ends[1], ends[1])
     kept[0][..., 1:] = np.clip(columns[..., 1:], -ends[0], ends[0])
@@ -165,7 +172,7 @@ def test_evidence_is_what_each_said_of_what_it_had_not_seen(monkeypatch) -> None
         told = before.foretold_by(x)
         for f in range(2):
             for e in range(len(EXPLANATIONS)):
-                line = before.lines[min(e, 2), f]  # the table starts with what the richest line leaves
+                line = before.lines[min(e, 3), f]  # the table starts with what the richest line leaves
                 own = np.mean((kept[1][:start, f] - kept[0][:start, f] @ line) ** 2)
                 variance = (squares[f, e] + 64 * own) / (foretold + 64)
                 error = np.minimum((w[:, f] - told[:, f, e]) ** 2, SURPRISE * variance)
@@ -191,12 +198,12 @@ def test_one_blow_says_little_against_anybody() -> None:
 
 def test_weights_are_the_evidence_and_sum_to_one_however_large_it_is() -> None:
     model = mixed()
-    np.testing.assert_allclose(model.weights, [[0.1, 0.2, 0.3, 0.4], [0.4, 0.3, 0.2, 0.1]])
-    model.evidence[:] = [[-1e12, 1e12, 0, 1e12 + 1], [0, np.log(NOTICED) - 0.1, -1, np.log(NOTICED) + 1]]
+    np.testing.assert_allclose(model.weights, [[0.1, 0.2, 0.25, 0.05, 0.4], [0.4, 0.3, 0.1, 0.1, 0.1]])
+    model.evidence[:] = [[-1e12, 1e12, 0, 0, 1e12 + 1], [0, np.log(NOTICED) - 0.1, -1, -2, np.log(NOTICED) + 1]]
     model._forget()
     np.testing.assert_allclose(model.weights.sum(1), 1)
-    np.testing.assert_allclose(model.weights[0], [0, 1 / (1 + np.e), 0, np.e / (1 + np.e)])
-    assert model.weights[1, 1] == 0 < model.weights[1, 3], "who is next to impossible is not asked"
+    np.testing.assert_allclose(model.weights[0], [0, 1 / (1 + np.e), 0, 0, np.e / (1 + np.e)])
+    assert model.weights[1, 1] == 0 < model.weights[1, 4], "who is next to impossible is not asked"
 
 
 def test_nothing_is_foretold_by_who_knows_next_to_nothing() -> None:
@@ -222,7 +229,7 @@ def test_what_was_learned_apart_adds_up_in_any_order() -> None:
         merged = Explanations.empty(given, "")
         for number in order:
             merged.merge(apart[number])
-            assert merged.lines.shape == (4, 2, len(COLUMNS)) and (merged.weights > 0).any()
+            assert merged.lines.shape == (5, 2, len(COLUMNS) + 4) and (merged.weights > 0).any()
         assert (merged.moments == whole.moments).all() and (merged.lines == whole.lines).all()
         assert (merged.table.counts == whole.table.counts).all()
         np.testing.assert_allclose(merged.evidence, sum(part.evidence for part in apart), rtol=1e-12)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from babbling.features import BEFORE, COLUMNS, DEAD, LINES, PLAYS, SLOW, WIDTHS, ZONES, Echo, Features
+from babbling.features import BEFORE, COLUMNS, DEAD, LINES, PLAYS, SLOW, WIDTHS, ZONES, Echo, Features, names
 from tests.babbling.joints import JITTER, features
 
 PATHS = st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=12)
@@ -108,16 +108,24 @@ def test_a_run_is_its_steps_one_after_the_other() -> None:
     rng, mine = np.random.default_rng(1), features()
     q, v, c = rng.uniform(-0.5, 0.5, (3, 7, 3, 2))
     whole = mine.of(q, v, c)
-    assert whole.shape == (7, 3, 2, len(COLUMNS))
+    assert whole.shape == (7, 3, 2, len(COLUMNS) + 4)
+    weighs = np.stack([np.sin(q[..., 0]), np.sin(q[..., 1]), np.cos(q[..., 0]), np.cos(q[..., 1])], axis=-1)
+    np.testing.assert_array_equal(whole[..., len(COLUMNS) :], np.broadcast_to(weighs[:, :, None], (7, 3, 2, 4)))
     for copy in range(3):
         echo = mine.start(q[0, copy])
         for t in range(7):
             here = mine.before(q[t, copy], v[t, copy], echo)
             echo = mine.after(echo, c[t, copy])
             step = np.concatenate([here, mine.acted(echo.plays - q[t, copy][:, None])], axis=-1)
-            np.testing.assert_array_equal(whole[t, copy], step)
+            np.testing.assert_array_equal(whole[t, copy, :, : len(COLUMNS)], step)
 
 
 def test_each_line_knows_more_than_the_one_before_it() -> None:
     assert set(LINES["line"]) < set(LINES["posture"]) < set(LINES["play"]) == set(COLUMNS) - {"one"}
+    assert names("play", 2) == LINES["play"] and names("gravity", 2)[len(COLUMNS) - 1 :] == (
+        "sin 0",
+        "sin 1",
+        "cos 0",
+        "cos 1",
+    )
     assert len(SLOW) == 2 and WIDTHS[0] == 0 and sorted(WIDTHS) == list(WIDTHS)

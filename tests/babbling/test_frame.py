@@ -26,11 +26,11 @@ def test_the_shares_are_those_of_the_plays_that_push(rule) -> None:
 def test_a_world_that_is_a_line_is_the_line_and_nothing_departs(rule) -> None:
     columns, outcome = lived(rule, 400, 0, noise=0.0)
     found = Frame.found(replace(features(), share=shares(columns, outcome)), columns, outcome)
-    left = outcome - (columns * found.line).sum(-1)
+    left = outcome - (columns[..., : len(COLUMNS)] * found.line).sum(-1)
     assert np.sqrt(np.mean(left**2)) < 0.02 * outcome.std()
     sticking, moved = lived(sticky, 400, 0, noise=0.0)
     stuck = Frame.found(features(), sticking, moved)
-    assert np.sqrt(np.mean((moved - (sticking * stuck.line).sum(-1)) ** 2)) > 0.05 * moved.std()
+    assert np.sqrt(np.mean((moved - (sticking[..., : len(COLUMNS)] * stuck.line).sum(-1)) ** 2)) > 0.05 * moved.std()
 
 
 def test_effort_is_counted_beyond_what_babbling_took_on_average_there() -> None:
@@ -52,7 +52,7 @@ def test_half_of_what_happened_lies_where_the_axes_are_even_and_all_of_it_on_the
     for bent_axis, axis in zip(found.bent(columns), (found.rate, found.effort), strict=True):
         np.testing.assert_allclose((np.abs(bent_axis) < np.arcsinh(1)).mean(0), 0.5, atol=0.01)
         assert (np.abs(bent_axis) <= axis.high).mean() > QUANTILE and (axis.low == -axis.high).all()
-    left = np.abs(outcome - (columns * found.line).sum(-1))
+    left = np.abs(outcome - (columns[..., : len(COLUMNS)] * found.line).sum(-1))
     np.testing.assert_allclose(found.departure.high, MARGIN * np.quantile(left, QUANTILE, axis=0), rtol=1e-6)
     assert (found.rate.size, found.effort.size, found.departure.size) == GRID
 

@@ -9,6 +9,7 @@ from babbling.files import load, save
 from babbling.loop import babble, bouts, experience, explore, flat
 from babbling.mind import Mind, learn
 from babbling.pilot import begin
+from babbling.regression import regress
 from models.loading import load_body
 
 FORETOLD = ("evidence", "squares", "foretold")
@@ -73,7 +74,9 @@ def test_what_is_learned_from_a_run_is_what_happened_beyond_coasting(arm, arm_mi
     body, pilot = load_body(arm, copies=3), arm_mind.pilot
     motors, senses = explore(body, pilot.stream(body, np.random.default_rng(0)), 12)
     columns, outcome = pilot.experienced(motors, senses)
-    q, v = senses[..., pilot.schema.posture], senses[..., pilot.schema.rate]
+    believed, told = pilot.believed(motors, senses)
+    np.testing.assert_array_equal(told, pilot.schema.efference(motors))
+    q, v = believed[..., 0], believed[..., 1]
     whole = pilot.frame.features.of(q[:-1], v[:-1], pilot.schema.efference(motors))
     for t, copy in np.ndindex(12, 3):
         drift = pilot.dynamics.coasting * v[t, copy]
@@ -137,3 +140,29 @@ def test_another_body_is_refused(arm, arm_mind):
     arm_mind.check(load_body(arm, copies=2))
     with pytest.raises(BabblingError, match=r"learned by another body .* babble anew"):
         arm_mind.check(load_body(arm, scramble=3))
+
+
+def test_noise_that_is_felt_does_not_pass_for_a_law(arm):
+    """It stands in posture, command minus posture and displacement alike; believed postures are nearer to the true,
+    and so is what a line through them says that a command does."""
+    body = load_body(arm, copies=8, noise=0.01, seed=3)
+    found, _ = begin(body, 0)
+    true: list[np.ndarray] = []
+
+    def noted(stream):
+        for command in stream:
+            true.append(body.joint_angles.copy())
+            yield command
+
+    motors, senses = explore(body, noted(found.stream(body, np.random.default_rng(1))), 400)
+    believed, told = found.believed(motors, senses)
+    np.testing.assert_array_equal(told, found.schema.efference(motors))
+    true.append(body.joint_angles.copy())
+    q, felt = np.array(true), senses[..., found.schema.posture]
+    assert ((believed[..., 0] - q) ** 2).mean() < 0.5 * ((felt - q) ** 2).mean()
+
+    def pull(posture):
+        x = np.stack([np.ones_like(told), told - posture[:-1]], -1).reshape(-1, 3, 2)
+        return regress(x, np.diff(posture, axis=0).reshape(-1, 3, 1)).coefficients[:, 0, 1]
+
+    assert (np.abs(pull(believed[..., 0]) - pull(q)) < 0.7 * np.abs(pull(felt) - pull(q))).all()

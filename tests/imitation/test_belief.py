@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from babbling.belief import Belief, StateEstimate
 from babbling.dynamics import LinearDynamics
 from babbling.schema import BodySchema
-from imitation.acting.belief import Belief, StateEstimate
 
 
 def schema(noise: float, rate_noise: float, factors: int = 1) -> BodySchema:

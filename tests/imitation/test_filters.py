@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
+from babbling import kalman
+from babbling.errors import BabblingError
+from babbling.kalman import Belief, System, constant_velocity, predict, smooth, update
 from imitation.errors import ImitationError
-from imitation.filters import kalman, particles
-from imitation.filters.kalman import Belief, System, constant_velocity, predict, smooth, update
+from imitation.filters import particles
 from imitation.seeing import tracking
 
 
@@ -114,9 +116,9 @@ def test_limits_of_the_gain() -> None:
 def test_kalman_refuses_what_cannot_be() -> None:
     system = random_walk(0.0, 0.0)
     belief = Belief(np.zeros(1), np.zeros((1, 1)))
-    with pytest.raises(ImitationError, match="not finite; mark what is missing"):
+    with pytest.raises(BabblingError, match="not finite; mark what is missing"):
         kalman.update(system, belief, np.array([np.nan]))
-    with pytest.raises(ImitationError, match="not positive definite"):
+    with pytest.raises(BabblingError, match="not positive definite"):
         kalman.update(system, belief, np.array([0.0]))
 
 

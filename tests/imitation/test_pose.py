@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from babbling.kalman import Belief, predict
 from imitation.errors import ImitationError
-from imitation.filters.kalman import Belief, predict
 from imitation.seeing.pose import Appearance, LiveWatch, frame_pose, watch
 
 GROUP = np.arange(6) // 2

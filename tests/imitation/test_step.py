@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from babbling.axes import Axis
+from babbling.belief import StateEstimate
 from babbling.forward_model import ForwardModel
-from imitation.acting.belief import StateEstimate
 from imitation.acting.loop import Attempt, Imitator, imitate
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement
 from imitation.errors import ImitationError

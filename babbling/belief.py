@@ -8,11 +8,11 @@ by hand. The bias is what the body does and the forward model did not expect: th
 
 import numpy as np
 
+from babbling import kalman
 from babbling.axes import FloatArray
 from babbling.dynamics import LinearDynamics
+from babbling.kalman import Belief
 from babbling.schema import BodySchema
-from imitation.filters import kalman
-from imitation.filters.kalman import Belief
 
 
 class StateEstimate:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray
-from imitation.errors import ImitationError
+from babbling.errors import BabblingError
 
 
 class System(NamedTuple):
@@ -74,12 +74,12 @@ def update(
     covariance is updated in Joseph's form, (1 - K H) P (1 - K H)' + K R K', which stays symmetric and positive.
 
     Raises:
-        ImitationError: a number that was observed is not finite, or S is not positive definite.
+        BabblingError: a number that was observed is not finite, or S is not positive definite.
     """
     measured = np.asarray(measured, float)
     there = np.broadcast_to(np.asarray(observed, bool), measured.shape)
     if not np.isfinite(measured[there]).all():
-        raise ImitationError("an observed measurement is not finite; mark what is missing in `observed` instead")
+        raise BabblingError("an observed measurement is not finite; mark what is missing in `observed` instead")
     pattern = there[..., :, None] & there[..., None, :]
     sensor = np.where(there[..., :, None], system.observation, 0.0)
     expected = _apply(system.observation, belief.mean)
@@ -89,7 +89,7 @@ def update(
     try:
         np.linalg.cholesky(spread)
     except np.linalg.LinAlgError:
-        raise ImitationError(
+        raise BabblingError(
             "the innovation covariance is not positive definite; observation_noise needs a positive variance for "
             "every number that the state alone fixes"
         ) from None
