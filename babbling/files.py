@@ -29,7 +29,7 @@ from babbling.kinds import KINDS, Kind, Numbers
 from babbling.regression import SCALE
 from babbling.variables import Variables, letters
 
-FORMAT, VERSION = "imitation-laboratory", 3
+FORMAT, VERSION = "imitation-laboratory", 4
 LARGEST_BYTES, MOST_ENTRIES, MOST_AXES, MOST_COUNTS = 1 << 30, 1 << 16, 8, 2.0**62
 SEAL = b"imitation-laboratory sha256 "
 """Stands with the checksum behind the end of a file, where HDF5 does not look: some damage hangs HDF5. A file without

@@ -42,6 +42,8 @@ class Pilot:
     """(F,) least posture to ask for: that of the least command, where the posture sense does not end before."""
     high: Annotated[FloatArray, Numbers("motor", "rad")]
     """(F,) greatest posture to ask for."""
+    ends: Annotated[FloatArray, Numbers("motor end:2", "rad")]
+    """(F, 2) postures that the least and the greatest command ask for: what pushes back may take more than its own."""
     dynamics: LinearDynamics
     frame: Frame
     minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
@@ -130,7 +132,7 @@ def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
     seen = _experienced(features, dynamics, *run)
     minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
     frame = Frame.found(features, *seen)
-    found = Pilot(schema, span, low, high, dynamics, frame, minutes, body.fingerprint)
+    found = Pilot(schema, span, low, high, ends.T, dynamics, frame, minutes, body.fingerprint)
     model = found.forward_model()
     model.observe(*seen, foretell=False)  # the frame has seen it already
     return found, model

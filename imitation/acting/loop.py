@@ -167,7 +167,7 @@ class Imitator:
         choice = self.inverse.choose(here, wanted, terms, rng)
         clock = time.perf_counter() - clock
         # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
-        command = np.clip(posture + choice.action, self.mind.pilot.low, self.mind.pilot.high)
+        command = np.clip(posture + choice.action, *self.mind.pilot.ends.T)
         nothing = np.zeros((*rate.shape, 0))
         really = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
         predicted = self.estimate.predict(belief, command, self.inverse.expect(really, command))

@@ -72,8 +72,9 @@ def driven(mind, movement, eagerness, copies=2, aim=0.0):
     return inverse, states, infos, felt
 
 
-def test_no_posture_beyond_the_range_is_asked_for_and_the_belief_is_told_what_was_sent(arm, arm_mind, movement):
-    """Wishes far beyond every stop: what the motors get is what the belief goes on with."""
+def test_no_command_beyond_the_motors_is_sent_and_the_belief_is_told_what_was_sent(arm, arm_mind, movement):
+    """Wishes far beyond every stop: what the motors get is what the belief goes on with. A command may ask for more than
+    a posture within the senses' range (what pushes back takes some of it), the way into a movement may not."""
     pilot, eager = arm_mind.pilot, Obeyed()
     eager.choose = lambda here, wanted, terms, rng: Decided.bare(np.array([[9.0, -9.0, 0.0]]))
     eager.expect = lambda here, command: command - here.posture
@@ -82,7 +83,9 @@ def test_no_posture_beyond_the_range_is_asked_for_and_the_belief_is_told_what_wa
     low, high = body.sense_low[pilot.schema.posture], body.sense_high[pilot.schema.posture]
     state, motors, info = imitator.step(imitator.start(felt := body.reset()), felt, np.random.default_rng(0))
     np.testing.assert_allclose(pilot.schema.efference(motors), info.commands, atol=1e-12)
-    np.testing.assert_array_equal(info.commands[0, :2], [high[0], low[1]])
+    np.testing.assert_array_equal(info.commands[0, :2], [pilot.ends[0].max(), pilot.ends[1].min()])
+    sent = np.sort(pilot.schema.motors(pilot.ends.T), axis=0)
+    np.testing.assert_allclose(sent, [body.motor_low, body.motor_high])
     before = imitator.start(felt).belief
     told = imitator.estimate.predict(before, info.commands, info.commands - before.mean[..., 0])
     np.testing.assert_array_equal(state.belief.mean, told.mean)
@@ -150,7 +153,7 @@ def test_it_asks_from_between_where_it_is_and_where_it_should_be(arm_mind, movem
         np.testing.assert_allclose(asked.here.rate, (1 - eagerness) * pace + eagerness * rate.T, atol=1e-12)
         np.testing.assert_allclose(asked.here.pace, onward, atol=1e-12)
         np.testing.assert_array_equal(asked.here.ahead, state.targets[state.tick + 1 :])
-        told = (where + asked.action).clip(arm_mind.pilot.low, arm_mind.pilot.high)
+        told = (where + asked.action).clip(*arm_mind.pilot.ends.T)
         np.testing.assert_allclose(info.commands, told, atol=1e-12)
         signs |= set(np.sign(asked.here.rate).ravel())
     assert {-1.0, 1.0} <= signs
