@@ -15,7 +15,8 @@ _LINES = dict(zip(("average", "table", "inverse_line", "forward_line", "feature_
 def drawn(metrics: Mapping[str, Any]) -> dict[str, Figure]:
     """By file stem."""
     found = {"errors": errors(metrics["errors_deg"])}
-    return found | ({"curve": curve(metrics["curve"])} if "curve" in metrics else {})
+    grown = {name.partition("_")[2] or "ideal": models for name, models in metrics.items() if name.startswith("curve")}
+    return found | ({"curve": curve(grown)} if grown else {})
 
 
 def errors(of_bodies: Mapping[str, Any]) -> Figure:

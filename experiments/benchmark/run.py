@@ -47,7 +47,7 @@ def run(config: Config) -> Result:
     metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
         growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
-        metrics["curve"] = curves(growing, in_parallel(growing, config.workers))
+        metrics |= curves(growing, in_parallel(growing, config.workers))
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
@@ -107,12 +107,13 @@ def ratio(ours: Sequence[float], theirs: Mapping[str, Sequence[float]]) -> tuple
 
 
 def curves(tasks: Sequence[Task], lives: Sequence[Sequence[Point]]) -> dict[str, dict[str, Any]]:
-    """[minutes, errors of every seed at each] by body and model; means over clips."""
+    """`curve` (of the ideal body; others `curve_BODY`): [minutes, errors of every seed at each] by model; means over
+    clips."""
     found: dict[str, dict[str, Any]] = {}
     for body in dict.fromkeys(task.body for task in tasks):
         mine = [life for task, life in zip(tasks, lives, strict=True) if task.body == body]
         at = [list(points) for points in zip(*mine, strict=True)]
-        found[body] = {
+        found["curve" if body == CURVE_BODIES[0] else f"curve_{body}"] = {
             name: [[same[0].minutes for same in at], [[float(np.mean(p.errors[name])) for p in same] for same in at]]
             for name in CURVE
         }

@@ -221,7 +221,7 @@ def test_a_life_without_peers_is_the_mind_of_every_other_experiment(
 def test_the_curve_has_every_seed_at_every_number_of_minutes() -> None:
     task = lives.Task(lives.Config(seeds=2), "ideal", 0, {}, (), (0.0,))
     life = [[lives.Point(m, {name: [e * m, 3 * e * m] for name in CURVE}) for m in (1.0, 2.0)] for e in (0.1, 0.2)]
-    assert curves([task, task], life)["ideal"]["table"] == [[1.0, 2.0], [[0.2, 0.4], [0.4, 0.8]]]
+    assert curves([task, task], life)["curve"]["table"] == [[1.0, 2.0], [[0.2, 0.4], [0.4, 0.8]]]
 
 
 def test_a_life_with_stops_ends_as_one_without(arm: Path, hasty: None, monkeypatch: pytest.MonkeyPatch) -> None:
