@@ -73,8 +73,8 @@ def driven(mind, movement, eagerness, copies=2, aim=0.0):
 
 
 def test_no_command_beyond_the_motors_is_sent_and_the_belief_is_told_what_was_sent(arm, arm_mind, movement):
-    """Wishes far beyond every stop: what the motors get is what the belief goes on with. A command may ask for more than
-    a posture within the senses' range (what pushes back takes some of it), the way into a movement may not."""
+    """Wishes far beyond every stop: what the motors get is what the belief goes on with. A command may ask for more
+    than a posture within the senses' range (what pushes back takes some of it), the way into a movement may not."""
     pilot, eager = arm_mind.pilot, Obeyed()
     eager.choose = lambda here, wanted, terms, rng: Decided.bare(np.array([[9.0, -9.0, 0.0]]))
     eager.expect = lambda here, command: command - here.posture
