@@ -9,7 +9,7 @@ from babbling.explanations import EXPLANATIONS
 from experiments.gesture.found import Performed
 from experiments.shared.figures import learning_curve
 from experiments.shared.judging import LearningCurve
-from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
+from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
 
 
 def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
@@ -80,15 +80,15 @@ def explanations(done: Performed) -> Figure:
     figure = Figure(figsize=(11, 3.8), layout="constrained")
     axis = figure.subplots()
     below = np.zeros(len(weights))
-    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, OURS), weights.T, strict=True):
+    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, INKS["green"], OURS), weights.T, strict=True):
         axis.bar(range(len(share)), share, bottom=below, color=colour, label=name)
         below += share
     axis.set_xticks(
         range(len(weights)), [joint.replace("_", " ") for joint in done.body.joints], rotation=90, fontsize=7
     )
     axis.set_ylabel("P(explanation | babbling)")
-    axis.set_title("What explains each joint best: a line, posture, plays and dead zones, or the table beyond them")
-    axis.legend(frameon=False, ncols=4, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.08))
+    axis.set_title("What explains each joint best: a line, posture, plays, what weighs on it, or the table beyond")
+    axis.legend(frameon=False, ncols=5, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.08))
     return figure
 
 
