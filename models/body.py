@@ -178,7 +178,7 @@ class SimulatedBody:
             raise BodyError(f"{self.name}: {kg:g} kg on {body!r}: 0 kg or more, on one of {', '.join(bodies[1:])}")
         part = bodies.index(body)
         for field, more in (("body_mass", kg), ("body_inertia", 0.4 * kg * ball_radius(kg) ** 2)):
-            self.batch.expand(field)[copies, part] = getattr(self.model, field)[part] + more
+            self.batch.expand(field)[copies, part] = self._born(field)[copies, part] + more
         self.batch.set_const()
 
     def rewire(self, first: int, second: int, copies: slice | IntArray = EVERY) -> None:
@@ -197,8 +197,13 @@ class SimulatedBody:
         """Nothing is jammed, carried or rewired any more; postures stay as they are."""
         self._plugs[:] = np.arange(len(self.joints))
         for name in ("dof_damping", "body_mass", "body_inertia"):
-            self.batch.expand(name)[:] = getattr(self.model, name)
+            self.batch.expand(name)[:] = self._born(name)
         self.batch.set_const()
+
+    def _born(self, field: str) -> FloatArray:
+        """(B, ...) numbers of the copies' models as they were made."""
+        whole: FloatArray = getattr(self.model, field)
+        return np.broadcast_to(whole, (self.copies, *whole.shape))
 
     def commands(self, motors: FloatArray) -> FloatArray:
         """(..., M) motor lines as angles asked of the servos (before any play of their gears)."""

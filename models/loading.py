@@ -9,7 +9,8 @@ import numpy as np
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.files import checked
-from models.robots import Robot, find
+from models.robots import ROBOTS, Robot, find
+from models.standing import Individuals, StandingBody
 from models.wear import ball_radius
 
 
@@ -55,6 +56,33 @@ def load_body(
     )
 
 
+def load_standing(
+    name: str,
+    *,
+    copies: int = 1,
+    threads: int = 2,
+    noise: float = 0.0,
+    scramble: int | None = None,
+    seed: int = 0,
+    individuals: Individuals = Individuals(),  # noqa: B008  (frozen)
+    tilt_deg: tuple[float, float] = (0.0, 0.0),
+) -> StandingBody:
+    """A registered robot on its own feet: see `load_body` and `StandingBody`.
+
+    Raises:
+        BodyError: a robot that cannot stand (those that can are listed).
+    """
+    robot = find(name)
+    if robot is None or robot.stance is None:
+        able = [one for one, known in ROBOTS.items() if known.stance]
+        raise BodyError(
+            f"{name}: it has no soles to stand on and feel with, or no balance organ; these have: {', '.join(able)}"
+        )
+    model = equipped(mujoco.MjSpec.from_file(str(robot.path)), robot).compile()
+    how = {"copies": copies, "threads": threads, "noise": noise, "scramble": scramble, "seed": seed, "wear": robot.wear}
+    return StandingBody(model, robot.stance, individuals=individuals, tilt_deg=tilt_deg, name=name, **how)
+
+
 def hung(robot: Robot) -> mujoco.MjSpec:
     """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching springs alone."""
     spec = mujoco.MjSpec.from_file(str(robot.path))
@@ -75,6 +103,12 @@ def hung(robot: Robot) -> mujoco.MjSpec:
         stand.add_geom(name="stand_foot", type=kind.mjGEOM_CYLINDER, size=(0.12, 0.008, 0), pos=(0, 0, 0.008), **look)
         for name, size, line in (("pole", 0.012, (0, 0, 0, 0, 0, top)), ("arm", 0.01, (0, 0, top, 0.09, 0, top))):
             stand.add_geom(name=f"stand_{name}", type=kind.mjGEOM_CAPSULE, size=(size, 0, 0), fromto=line, **look)
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return equipped(spec, robot)
+
+
+def equipped(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjSpec:
+    """With the springs that a robot has and the loads it carries."""
     for joint, spring in robot.springs.items():
         ends = (spring.low, spring.high)
         spec.add_tendon(name=f"{joint}_spring", stiffness=spring.stiffness, springlength=ends).wrap_joint(joint, 1.0)
@@ -82,7 +116,6 @@ def hung(robot: Robot) -> mujoco.MjSpec:
         held = spec.body(name)
         ball = held.add_body(name=f"{name}_payload", pos=held.ipos)
         ball.add_geom(size=(ball_radius(kg), 0, 0), mass=kg, group=2, contype=0, conaffinity=0)
-    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     return spec
 
 

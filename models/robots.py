@@ -42,6 +42,18 @@ class Head:
 
 
 @dataclass(frozen=True)
+class Stance:
+    """How a robot stands on its own feet, on the floor of its MJCF."""
+
+    sensors: tuple[str, ...]
+    """<sensor> elements that it feels there, besides its joints: loads on its soles, a balance organ."""
+    hips: str
+    """Body that is upright while it stands, however it bows."""
+    pushed: str
+    """Body that is pushed."""
+
+
+@dataclass(frozen=True)
 class Robot:
     """A body one can ask for by name."""
 
@@ -61,6 +73,8 @@ class Robot:
     """None for a robot without eyes."""
     limbs: Mapping[str, Segment] = field(default_factory=dict)
     """Parts of limbs whose directions can be shown to it: by a teacher, in a mirror."""
+    stance: Stance | None = None
+    """None for a robot without soles and balance organ."""
     babbles: Literal["joints", "eyes"] = "joints"
     """What its babbling is about: its joints, or what its movements do to what it sees."""
 
@@ -78,6 +92,7 @@ _HOAP2 = Robot(
         tilt=(-0.24, 0.62),  # its neck bends only 15 degrees up
     ),
     limbs=SEGMENTS,
+    stance=Stance((*facts.LOAD_CELLS, "gyro", "accelerometer"), hips="pelvis", pushed="torso"),
 )
 _BLIND = replace(_HOAP2, head=None)
 _BACKLASH = (float(np.deg2rad(facts.WORN_BACKLASH_DEG)),)

@@ -17,6 +17,11 @@ JOINTS: Final[tuple[str, ...]] = (
 )
 """The 25 joints in the order of qpos, of the actuators and of the position and velocity sensors."""
 
+LOAD_CELLS: Final = tuple(
+    f"{side}_sole_{end}_{edge}_load" for side in SIDES for end in ("front", "rear") for edge in ("left", "right")
+)
+"""Four under each sole."""
+
 _LEFT_LEG = ((-31, 91), (-21, 31), (-82, 71), (-1, 130), (-61, 61), (-25, 25))
 _LEFT_ARM = ((-91, 151), (-1, 96), (-91, 91), (-115, 1), (-60, 60))
 _MIRRORED = frozenset({"leg_joint_1", "leg_joint_2", "leg_joint_6", "arm_joint_2", "arm_joint_3", "arm_joint_5"})
