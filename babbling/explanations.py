@@ -161,7 +161,7 @@ class Explanations:
 
     def foretold_by(self, columns: FloatArray) -> FloatArray:
         """(N, F, E) m_e(x) of (N, F, COLUMNS + 2 F) features: what each explanation expects."""
-        means: FloatArray = np.einsum("nfx,efx->nfe", columns, self.lines)
+        means = np.moveaxis(np.moveaxis(columns, 1, 0) @ np.moveaxis(self.lines, 0, 2), 0, 1)
         rate, effort = self.frame.bent(columns)
         means[..., -1] += self.table.at((rate,)).expected(effort)
         return means

@@ -80,12 +80,15 @@ def update(
     there = np.broadcast_to(np.asarray(observed, bool), measured.shape)
     if not np.isfinite(measured[there]).all():
         raise BabblingError("an observed measurement is not finite; mark what is missing in `observed` instead")
-    pattern = there[..., :, None] & there[..., None, :]
-    sensor = np.where(there[..., :, None], system.observation, 0.0)
-    expected = _apply(system.observation, belief.mean)
-    innovation = np.where(there, np.where(there, measured, 0.0) - expected, 0.0)
+    sensor, sensed = system.observation, system.observation_noise
+    innovation = np.where(there, measured, 0.0) - _apply(sensor, belief.mean)
+    missing = np.zeros(())
+    if not there.all():  # otherwise what is believed alike stays alike, and is worked out once
+        pattern = there[..., :, None] & there[..., None, :]
+        sensor, sensed = np.where(there[..., :, None], sensor, 0.0), np.where(pattern, sensed, 0.0)
+        innovation, missing = np.where(there, innovation, 0.0), np.where(pattern, 0.0, np.eye(measured.shape[-1]))
     cross = belief.covariance @ sensor.mT
-    spread = sensor @ cross + np.where(pattern, system.observation_noise, np.eye(measured.shape[-1]))
+    spread = sensor @ cross + sensed + missing
     try:
         np.linalg.cholesky(spread)
     except np.linalg.LinAlgError:
@@ -95,7 +98,7 @@ def update(
         ) from None
     gain = np.asarray(np.linalg.solve(spread, cross.mT), float).mT
     rest = np.eye(belief.mean.shape[-1]) - gain @ sensor
-    noise = gain @ np.where(pattern, system.observation_noise, 0.0) @ gain.mT
+    noise = gain @ sensed @ gain.mT
     covariance = rest @ belief.covariance @ rest.mT + noise
     return Belief(belief.mean + _apply(gain, innovation), covariance), gain
 

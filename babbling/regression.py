@@ -91,13 +91,12 @@ class LinearGaussian:
 
     def observe(self, values: FloatArray, keep: BoolArray) -> None:
         """Add (N, F, C) values; rows where `keep` (N, F) is False are left out."""
-        ones = np.full((*keep.shape, 1), float(SCALE))
-        z = np.concatenate([ones, (values - self.centre[:, 1:]) * (SCALE / self.half[:, 1:])], axis=-1)
-        np.clip(z, -SCALE, SCALE, out=z)
-        np.rint(z, out=z)
-        if not keep.all():
-            z *= keep[..., None]
-        _add(self.sums, z)
+        some, z = not keep.all(), np.full((len(values), len(self.names)), float(SCALE))
+        for f, (centre, half) in enumerate(zip(self.centre[:, 1:], self.half[:, 1:], strict=True)):
+            rest = z[:, 1:]  # one factor's columns at a time stay in the cache
+            np.multiply(values[:, f] - centre, SCALE / half, out=rest)
+            np.rint(np.clip(rest, -SCALE, SCALE, out=rest), out=rest)
+            _add(self.sums[f : f + 1], (z * keep[:, f, None] if some else z)[:, None])
 
     def fit(self, targets: Sequence[str], inputs: Sequence[str], ridge: float = 1e-9) -> LinearFit:
         """Posterior of `targets` on 1 and `inputs`, in the channels' own units.

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter
 
 from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
 
@@ -49,7 +50,11 @@ def curve(of_bodies: Mapping[str, Any]) -> Figure:
             axes.fill_between(minutes, low, high, color=_LINES[model], alpha=0.15, lw=0)
         axes.set(xscale="log", yscale="log", xlabel="body-minutes, pilot included", title=body)
         axes.grid(alpha=0.25, which="both")
+        axes.xaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100]))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
     row[0].set_ylabel("joint error, mean over clips [deg]")
-    row[-1].legend(frameon=False, fontsize=8)
-    figure.suptitle("Mean and range over seeds", fontsize=11)
+    figure.legend(*row[0].get_legend_handles_labels(), frameon=False, fontsize=8, loc="outside lower center", ncols=6)
+    figure.suptitle("What more babbling is worth: mean and range over seeds", fontsize=11)
     return figure
