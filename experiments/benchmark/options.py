@@ -1,8 +1,11 @@
 """Options of `imitate benchmark`."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any
+
+import tyro
 
 from experiments.errors import ExperimentError
 from experiments.shared.options import (
@@ -55,14 +58,16 @@ class Config(Options):
     """ideal, noisy (0.2 degrees), worn, scrambled, payload, spring, backlash, hysteresis; or robots."""
     seeds: Annotated[int, some] = 2
     """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
-    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:11]
-    """Who imitates: also average_without_table, average_mean, average_matching."""
+    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:12]
+    """Who imitates; average_mean and average_matching (other rules of selection) only when asked for."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling."""
     attempts: Annotated[int, some] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
     curve: bool = False
-    """Also errors after 0.3 to 100 body-minutes, on ideal and worn bodies: much longer."""
+    """Also errors after 2.3 (the pilot alone) to 100 body-minutes, on ideal and worn bodies: much longer."""
+    keep: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder in which every life is kept as soon as it was lived: interrupted and said again, it goes on from there."""
     workers: Annotated[int, within(1, 64)] = 2
     """Processes; the result does not depend on it."""
     peers: bool = False

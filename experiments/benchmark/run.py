@@ -13,7 +13,8 @@ import numpy as np
 
 from experiments.benchmark import figures
 from experiments.benchmark import maze as maze_benchmark
-from experiments.benchmark.lives import Clips, Point, Task, live
+from experiments.benchmark.kept import lived
+from experiments.benchmark.lives import Clips, Point, Task
 from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
 from experiments.shared.experiment import Result
 from experiments.shared.minds import body_of
@@ -40,27 +41,27 @@ def run(config: Config) -> Result:
         for seed in seeds
     ]
     tasks[0] = tasks[0]._replace(costs=True)
-    lives = in_parallel(tasks, config.workers)
+    lives = in_parallel(tasks, config)
     by_body = {
         body: [life[0] for one, life in zip(tasks, lives, strict=True) if one.body == body] for body in config.bodies
     }
     metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
         growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
-        metrics |= curves(growing, in_parallel(growing, config.workers))
+        metrics |= curves(growing, in_parallel(growing, config))
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
 
 
-def in_parallel(tasks: Sequence[Task], workers: int) -> list[list[Point]]:
+def in_parallel(tasks: Sequence[Task], config: Config) -> list[list[Point]]:
     """Every life, in order; which process lives it makes no difference."""
     with ExitStack() as stack:
         report, each = stack.enter_context(progress("living")), map
-        if workers > 1:
-            each = stack.enter_context(ProcessPoolExecutor(workers, get_context("spawn"))).map  # type: ignore[assignment]
+        if config.workers > 1:
+            each = stack.enter_context(ProcessPoolExecutor(config.workers, get_context("spawn"))).map  # type: ignore[assignment]
         lives = []
-        for life in each(live, tasks):
+        for life in each(partial(lived, folder=config.keep), tasks):
             lives.append(life)
             report(len(lives) / len(tasks))
         return lives

@@ -149,11 +149,12 @@ def provenance(name: str, config: Options) -> dict[str, Any]:
         "options": {k: str(v) if isinstance(v, Path) else v for k, v in asdict(config).items()},
         "versions": {library: version(library) for library in LIBRARIES},
         "project": version("imitation-laboratory"),
-        "commit": _commit(),
+        "commit": commit(),
     }
 
 
-def _commit() -> str | None:
+def commit() -> str | None:
+    """Which commit of the project runs, and whether it was changed since; None outside a repository."""
     here = Path(__file__).resolve().parent
     try:
         done = subprocess.run(
