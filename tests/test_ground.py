@@ -70,6 +70,15 @@ def test_nothing_generated_is_tracked() -> None:
     assert [path.name for path in tracked() if FOREIGN_LOCKS.fullmatch(path.name)] == []
 
 
+def test_no_link_is_tracked() -> None:
+    """One to a place outside would break, or overwrite, what others have there."""
+    try:
+        listed = subprocess.run(["git", "-C", str(ROOT), "ls-files", "-s"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.SubprocessError):
+        pytest.skip("not a git checkout")
+    assert [line for line in listed.stdout.splitlines() if line.startswith("120000")] == []
+
+
 def test_python_files_hold_one_concept_each() -> None:
     lengths = {str(p.relative_to(ROOT)): len(p.read_text().splitlines()) for p in tracked() if p.suffix == ".py"}
     limits = {name: LONGEST_TEST if name.startswith("tests") else LONGEST_FILE for name in lengths}
