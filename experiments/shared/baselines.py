@@ -15,8 +15,9 @@ def direct_replay(body: SimulatedBody, angles: FloatArray) -> FloatArray:
     body.reset()
     way = approach(body.joint_angles[0], angles, body.tick_s, *body.joint_range.T)
     ahead = np.concatenate([way, angles, 2 * angles[-1:] - angles[-2:-1]])[1:]
-    reached = []
-    for command in ahead:
-        reached.append(body.joint_angles[0].copy())
+    reached = np.empty_like(angles)
+    for t, command in enumerate(ahead, -len(way)):
+        if t >= 0:
+            reached[t] = body.joint_angles[0]
         body.act(np.tile(body.command_angles(command), (body.copies, 1)))
-    return np.array(reached[len(way) :])
+    return reached
