@@ -1,10 +1,5 @@
-"""Reproducing a remembered head movement; also as a process of its own, that has neither babbled nor watched.
+"""Reproducing a remembered head movement; also in a process of its own, that has neither babbled nor watched."""
 
-`python -m experiments.head.recall FOLDER ROBOT SELECTION SEED [SCRAMBLE]` reads memory.nc and mind.nc in a folder and
-leaves the performed angles there as an array.
-"""
-
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -13,7 +8,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.files import load, save
 from babbling.mind import Mind
-from experiments.shared.fresh_process import RESULT, in_new_process
+from experiments.shared.fresh_process import in_new_process
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
 from imitation.deferred import HeadMemory
@@ -36,24 +31,11 @@ def reproduce(
     return np.asarray(attempt.truth[:, 0])
 
 
-def reproduce_elsewhere(
-    memory: HeadMemory, mind: Mind, robot: str, selection: str, seed: int, scramble: int | None = None
-) -> FloatArray:
-    """The same in a process of its own.
-
-    Raises:
-        ExperimentError: the process failed; its last line is told.
-    """
-    files = {"memory.nc": partial(save, memory), "mind.nc": partial(save, mind)}
-    return in_new_process(__name__, files, robot, selection, seed, *([] if scramble is None else [scramble]))["angles"]
+def reproduce_elsewhere(memory: HeadMemory, mind: Mind, *how: str | int | None) -> FloatArray:
+    """The same in a process of its own; `how` is what else `reproduce` is told."""
+    return in_new_process(_reproduce, {"memory.nc": partial(save, memory), "mind.nc": partial(save, mind)}, *how)
 
 
-def main(words: list[str]) -> None:
-    """See the module."""
-    folder, robot, selection, seed, *scramble = Path(words[0]), words[1], words[2], *map(int, words[3:])
+def _reproduce(folder: Path, robot: str, selection: str, seed: int, scramble: int | None) -> FloatArray:
     memory, mind = load(folder / "memory.nc", HeadMemory), load(folder / "mind.nc", Mind)
-    np.savez(folder / RESULT, angles=reproduce(memory, mind, robot, selection, seed, *scramble))
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])
+    return reproduce(memory, mind, robot, selection, seed, scramble)
