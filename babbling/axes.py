@@ -130,8 +130,7 @@ class Axis:
             raise BabblingError(
                 f"axis {self.name!r} has no category {bad:g}; it has 0 to {self.size - 1} {self.labels}"
             )
-        clipped: IntArray = np.clip(index, 0, self.size - 1).astype(np.int64)
-        return clipped
+        return np.asarray(np.clip(index, 0, self.size - 1).astype(np.int64))
 
     def codes(self, values: NDArray[np.generic]) -> IntArray:
         """`hard` for category numbers, without copying those that are whole numbers already.
@@ -194,8 +193,7 @@ class Cells(NamedTuple):
         parts = table.reshape(-1, *rest).take(self.corner, axis=0)
         for number, share in enumerate(self.shares):
             parts *= share.reshape(2, *(1,) * (measured - 1 - number), *share.shape[1:], *(1,) * len(rest))
-        values: FloatArray = parts.reshape(-1, *parts.shape[measured:]).sum(0) if measured else parts
-        return values
+        return np.asarray(parts.reshape(-1, *parts.shape[measured:]).sum(0) if measured else parts)
 
 
 def located(factors: int, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> Cells:

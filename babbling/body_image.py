@@ -98,8 +98,7 @@ class Image:
     def expected(self, postures: FloatArray) -> FloatArray:
         """(N, P, 3) unit vectors that should be seen at (N, F) postures."""
         found = np.stack([one.expected(postures) for one in self.images.values()], 1)
-        unit: FloatArray = found / np.linalg.norm(found, axis=-1, keepdims=True)
-        return unit
+        return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
 
 @kind("body image", "`imitate correspondence` leaves such files")
@@ -192,8 +191,6 @@ def _features(away: FloatArray) -> FloatArray:
 def _contracted(value: FloatArray, basis: FloatArray) -> FloatArray:
     """Sum over the first harmonic axis: (1 or N, 3 R) with (N, 3) gives (N, R)."""
     if len(value) == 1:
-        first: FloatArray = basis @ value.reshape(3, -1)
-        return first
+        return np.asarray(basis @ value.reshape(3, -1))
     parts = value.reshape(len(basis), 3, -1)
-    total: FloatArray = np.matmul(basis[:, None, :], parts)[:, 0]
-    return total
+    return np.asarray(np.matmul(basis[:, None, :], parts)[:, 0])

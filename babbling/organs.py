@@ -57,8 +57,7 @@ class Organs:
         pair's acts a likelihood ratio: one clear turn outweighs several small ones.
         """
         moved, still = self._pooled(self.information >= LEAST_BITS)
-        moves: BoolArray = self._counts[:, :-1] @ np.log(moved / still) > 0
-        return moves
+        return np.asarray(self._counts[:, :-1] @ np.log(moved / still) > 0)
 
     def likelihood(self) -> FloatArray:
         """(P, F + 1, categories) P(amount | motor), the same for all pairs that move, and for all that do not.
@@ -67,8 +66,7 @@ class Organs:
         """
         moves = self.moves
         moved, still = self._pooled(moves)
-        table: FloatArray = np.where(self._with_nothing(moves)[..., None], moved, still)
-        return table
+        return np.asarray(np.where(self._with_nothing(moves)[..., None], moved, still))
 
     @property
     def _counts(self) -> FloatArray:
@@ -86,8 +84,7 @@ class Organs:
 
 def categories(amounts: FloatArray) -> IntArray:
     """Category of (...) radians turned."""
-    found: IntArray = np.searchsorted(np.deg2rad(EDGES_DEG), amounts, side="right").astype(np.int64)
-    return found
+    return np.asarray(np.searchsorted(np.deg2rad(EDGES_DEG), amounts, side="right").astype(np.int64))
 
 
 def turned(before: FloatArray, after: FloatArray) -> FloatArray:
@@ -140,10 +137,8 @@ def _information(counts: FloatArray) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         bits = np.where(p > 0, p * np.log2(p / independent), 0).sum((-1, -2))
     bias = (np.minimum(len(LABELS), 4) - 1) / (4 * visits * np.log(2))
-    information: FloatArray = np.maximum(bits - bias, 0)
-    return information
+    return np.asarray(np.maximum(bits - bias, 0))
 
 
 def _shares(counts: FloatArray) -> FloatArray:
-    shares: FloatArray = counts / np.maximum(counts.sum(-1, keepdims=True), 1)
-    return shares
+    return np.asarray(counts / np.maximum(counts.sum(-1, keepdims=True), 1))

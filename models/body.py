@@ -207,14 +207,12 @@ class SimulatedBody:
 
     def commands(self, motors: FloatArray) -> FloatArray:
         """(..., M) motor lines as angles asked of the servos (before any play of their gears)."""
-        commands: FloatArray = self._centre + self._half * self.wiring.fractions(motors)
-        return commands
+        return np.asarray(self._centre + self._half * self.wiring.fractions(motors))
 
     @property
     def joint_angles(self) -> FloatArray:
         """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
-        angles: FloatArray = self.batch.qpos[:, self._qpos]
-        return angles
+        return np.asarray(self.batch.qpos[:, self._qpos])
 
     def configurations(self, angles: FloatArray) -> FloatArray:
         """(T, nq) configurations of the model with these (T, M) joint angles, all else at rest: to draw it."""

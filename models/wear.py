@@ -45,8 +45,7 @@ class Wear:
         """(B, M) angles that the servos follow; the (P, B, M) plays are moved in place to where they now are."""
         half = np.array(self.backlash)[:, None, None] / 2
         np.clip(played, command - half, command + half, out=played)
-        followed: FloatArray = (np.array(self.shares)[:, None, None] * played).sum(0)
-        return followed
+        return np.asarray((np.array(self.shares)[:, None, None] * played).sum(0))
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,7 @@ class Found:
     @property
     def table(self) -> FloatArray:
         """(A, O) the learned forward model."""
-        table: FloatArray = believed(self.experience.forward_model)[0]
-        return table
+        return np.asarray(believed(self.experience.forward_model)[0])
 
     @property
     def inferred(self) -> Inferred:

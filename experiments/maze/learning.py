@@ -36,8 +36,7 @@ def expected_distance(truth: FloatArray, visits: FloatArray) -> FloatArray:
 
     Law, for many draws: 1/2 sum_j sqrt(2 p_j (1 - p_j) / (pi n)), the mean absolute deviation of a binomial each.
     """
-    expected: FloatArray = 0.5 * np.sqrt(2 * truth * (1 - truth) / np.pi).sum(-1) / np.sqrt(visits)
-    return expected
+    return np.asarray(0.5 * np.sqrt(2 * truth * (1 - truth) / np.pi).sum(-1) / np.sqrt(visits))
 
 
 def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> tuple[ForwardModel, Convergence]:

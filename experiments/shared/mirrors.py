@@ -101,8 +101,7 @@ class Pupil:
         labels = [self.body.sense_labels[line] for line in self.pilot.schema.posture]
         if not set(labels) >= set(self.body.joints):
             raise ExperimentError("babbling did not find every joint's posture sense; babble longer")
-        found: FloatArray = postures[:, [labels.index(joint) for joint in self.body.joints]]
-        return found
+        return np.asarray(postures[:, [labels.index(joint) for joint in self.body.joints]])
 
 
 def correspondence_metrics(seen: Seen, tick_s: float) -> dict[str, Any]:

@@ -161,5 +161,4 @@ def _path(found: FloatArray, costs: FloatArray) -> FloatArray:
     at[-1] = int(total.argmin())
     for t in range(costs.shape[1] - 1, 0, -1):
         at[t - 1] = back[at[t], t]
-    path: FloatArray = found[at, np.arange(costs.shape[1])]
-    return path
+    return np.asarray(found[at, np.arange(costs.shape[1])])

@@ -40,8 +40,7 @@ class Organ(NamedTuple):
 def owners(moves: BoolArray) -> IntArray:
     """(F,) the part each factor belongs to: of those it moves the one that fewest factors move; -1 for none."""
     sizes = np.where(moves, moves.sum(1, keepdims=True), np.inf)
-    nearest: IntArray = np.where(moves.any(0), sizes.argmin(0), -1)
-    return nearest
+    return np.asarray(np.where(moves.any(0), sizes.argmin(0), -1))
 
 
 def edge_ticks(tick_s: float) -> int:

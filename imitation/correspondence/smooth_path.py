@@ -161,8 +161,7 @@ def _descend(
 def _excess(angles: FloatArray, limit: FloatArray) -> FloatArray:
     """What each step (T - 1, n) has beyond the limit, signed."""
     step = np.diff(angles, axis=0)
-    beyond: FloatArray = step - np.clip(step, -limit, limit)
-    return beyond
+    return np.asarray(step - np.clip(step, -limit, limit))
 
 
 def _banded(blocks: FloatArray, brakes: FloatArray, bending: float, held: BoolArray) -> FloatArray:
@@ -193,5 +192,4 @@ def within_speed(angles: FloatArray, step: FloatArray) -> FloatArray:
         for t in order:
             above[t] = np.maximum(above[t], above[t + last] - step)
             below[t] = np.minimum(below[t], below[t + last] + step)
-    middle: FloatArray = (above + below) / 2
-    return middle
+    return np.asarray((above + below) / 2)

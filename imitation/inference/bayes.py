@@ -39,8 +39,7 @@ def entropy(probability: FloatArray) -> FloatArray:
     """(...) -sum_i p_i log2 p_i of (..., A), bits; 0 where all are zero."""
     logs = np.zeros_like(probability)
     np.log2(probability, out=logs, where=probability > 0)
-    bits: FloatArray = -(probability * logs).sum(-1)
-    return bits
+    return np.asarray(-(probability * logs).sum(-1))
 
 
 def action_posterior(likelihood: ArrayLike, prior: ArrayLike | None = None) -> Posterior:

@@ -92,5 +92,4 @@ def in_blocks(values: FloatArray, length: int) -> FloatArray:
         raise ImitationError(f"blocks of {length} steps; at least 1 is needed")
     starts = np.arange(0, len(values), length)
     sizes = np.diff([*starts, len(values)]).reshape(-1, *(1,) * (values.ndim - 1))
-    means: FloatArray = np.add.reduceat(values, starts, axis=0) / sizes
-    return means
+    return np.asarray(np.add.reduceat(values, starts, axis=0) / sizes)

@@ -69,8 +69,7 @@ class ActionPriors:
         pooled = self.counts.sum(0)
         odds = _dirichlet_evidence(self.counts, smoothing).sum(0) - _dirichlet_evidence(pooled, smoothing)
         common = expit(-odds)[:, None]
-        doubtful: FloatArray = common * _share(pooled + smoothing) + (1 - common) * _share(self.counts + smoothing)
-        return doubtful
+        return np.asarray(common * _share(pooled + smoothing) + (1 - common) * _share(self.counts + smoothing))
 
 
 def check_smoothing(smoothing: float) -> float:
@@ -97,16 +96,14 @@ def check_goal_prior(prior: Sequence[float], goals: int) -> FloatArray:
         raise ImitationError(f"goal prior {', '.join(f'{v:g}' for v in values)}: probabilities are at least 0")
     if abs(values.sum() - 1) > 1e-6:
         raise ImitationError(f"goal prior {', '.join(f'{v:g}' for v in values)} sums to {values.sum():g}, not to 1")
-    normalised: FloatArray = values / values.sum()
-    return normalised
+    return np.asarray(values / values.sum())
 
 
 def _dirichlet_evidence(counts: IntArray, k: float) -> FloatArray:
     """(...) log D(n) = log of the integral of prod_a p_a^n_a over p ~ Dirichlet(k, ..., k), for (..., A) counts."""
     actions = counts.shape[-1]
     total = gammaln(actions * k) - gammaln(counts.sum(-1) + actions * k)
-    evidence: FloatArray = total + (gammaln(counts + k) - gammaln(k)).sum(-1)
-    return evidence
+    return np.asarray(total + (gammaln(counts + k) - gammaln(k)).sum(-1))
 
 
 def _share(numbers: ArrayLike) -> FloatArray:

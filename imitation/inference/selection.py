@@ -26,8 +26,7 @@ def select_mean(probability: FloatArray, axis: Axis, rng: np.random.Generator) -
         raise ImitationError(
             f"selection 'mean': actions {axis.labels} are categories and have no mean; use map or matching"
         )
-    mean: FloatArray = (probability * axis.points).sum(-1)
-    return mean
+    return np.asarray((probability * axis.points).sum(-1))
 
 
 def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
@@ -47,8 +46,7 @@ def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) ->
         curvature = left - 2 * top + right
         shift = (left - right) / (2 * curvature)
     usable = (inner == best) & np.isfinite(shift)
-    action: FloatArray = axis.low + (best + np.where(usable, shift, 0.0)) * axis.step
-    return action
+    return np.asarray(axis.low + (best + np.where(usable, shift, 0.0)) * axis.step)
 
 
 def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generator) -> FloatArray:
@@ -58,18 +56,15 @@ def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generato
         (np.cumsum(probability, -1) <= threshold * probability.sum(-1, keepdims=True)).sum(-1), axis.size - 1
     )
     if axis.is_categorical:
-        category: FloatArray = drawn.astype(float)
-        return category
+        return np.asarray(drawn.astype(float))
     place = drawn + rng.triangular(-1.0, 0.0, 1.0, drawn.shape)
-    action: FloatArray = axis.low + np.clip(place, 0, axis.size - 1) * axis.step
-    return action
+    return np.asarray(axis.low + np.clip(place, 0, axis.size - 1) * axis.step)
 
 
 def _argmax(probability: FloatArray, rng: np.random.Generator) -> IntArray:
     ties = probability >= probability.max(-1, keepdims=True)
     tied = (ties.sum(-1) > 1).any()  # the generator is asked only where it decides
-    best: IntArray = (np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1)
-    return best
+    return np.asarray((np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1))
 
 
 SELECTION: dict[str, Rule] = {"mean": select_mean, "map": select_map, "matching": select_matching}
