@@ -26,11 +26,7 @@ class Onlooked(NamedTuple):
 
 
 def onlook(
-    model: mujoco.MjModel,
-    robot: str,
-    angles: FloatArray,
-    teacher: FloatArray | None,
-    balls: Mapping[str, FloatArray],
+    model: mujoco.MjModel, robot: str, angles: FloatArray, teacher: FloatArray | None, balls: Mapping[str, FloatArray]
 ) -> Onlooked:
     """A stage through (T, 2) postures of the head and the teacher's; balls at (3,) or (T, 3), in the table's frame."""
     facts = head_of(robot)

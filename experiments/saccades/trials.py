@@ -58,10 +58,7 @@ def unseen_saccades(mind: LookingMind, body: SeeingBody, count: int, seed: int) 
     change = mind.pilot.schema.efference(motors) - posture
     things = was.shape[1]
     rows = Predicted(
-        was.reshape(-1, 4),
-        now.reshape(-1, 4),
-        np.repeat(posture, things, axis=0),
-        np.repeat(change, things, axis=0),
+        was.reshape(-1, 4), now.reshape(-1, 4), np.repeat(posture, things, axis=0), np.repeat(change, things, axis=0)
     )
     seen = np.isfinite(rows.before + rows.after)
     keep = seen[:, :2].all(1) | seen[:, 2:].all(1)

@@ -51,12 +51,7 @@ def log_events(stream: rr.RecordingStream, events: Sequence[tuple[float, str]]) 
 
 
 def log_points(
-    stream: rr.RecordingStream,
-    entity: str,
-    points: FloatArray,
-    tick_s: float,
-    colour: Light,
-    radius: float = 1.2,
+    stream: rr.RecordingStream, entity: str, points: FloatArray, tick_s: float, colour: Light, radius: float = 1.2
 ) -> None:
     """(T, K, 2) pixels, NaN for none: dots that come and go."""
     stream.log(entity, rr.Points2D.from_fields(colors=[colour], radii=[radius], draw_order=10.0), static=True)
@@ -67,12 +62,7 @@ def log_points(
 
 
 def log_rings(
-    stream: rr.RecordingStream,
-    entity: str,
-    centres: FloatArray,
-    radii: FloatArray,
-    tick_s: float,
-    colour: Light,
+    stream: rr.RecordingStream, entity: str, centres: FloatArray, radii: FloatArray, tick_s: float, colour: Light
 ) -> None:
     """(T, K, 2) pixels and (T, K) radii, NaN for none: circles that come and go."""
     stream.log(entity, rr.LineStrips2D.from_fields(colors=[colour], radii=[0.25], draw_order=9.0), static=True)

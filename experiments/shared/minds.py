@@ -83,11 +83,7 @@ class HeldOut:
 
 
 def learn_mind(
-    options: BodyOptions,
-    minutes: float,
-    report: Callable[[float], None],
-    *,
-    checkpoint: Path | None = None,
+    options: BodyOptions, minutes: float, report: Callable[[float], None], *, checkpoint: Path | None = None
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 

@@ -64,10 +64,7 @@ class Pupil:
         return blurred(directions, float(np.deg2rad(self.noise_deg)), rng)
 
     def follow(
-        self,
-        performance: Performance,
-        rng: np.random.Generator,
-        hidden: Mapping[str, BoolArray] | None = None,
+        self, performance: Performance, rng: np.random.Generator, hidden: Mapping[str, BoolArray] | None = None
     ) -> Retargeted:
         """See a teacher, with parts `hidden` (T,) now and then, and find one's own postures for it."""
         body, image = self.body, self.image

@@ -107,11 +107,7 @@ def log_body(
 def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tuple[int, int, int] | None) -> None:
     size, place, rgb = shape.size, shape.place, shape.colour * 255
     colour = tuple(int(c) for c in (rgb if tint is None else 0.35 * rgb + 0.65 * np.array(tint)))
-    common: dict[str, Any] = {
-        "colors": [colour],
-        "fill_mode": "solid",
-        "quaternions": [rr.Quaternion(xyzw=shape.turn)],
-    }
+    common: dict[str, Any] = {"colors": [colour], "fill_mode": "solid", "quaternions": [rr.Quaternion(xyzw=shape.turn)]}
     drawn: Any
     if shape.kind == "capsule":  # it begins at its origin
         start = place - shape.axis * size[1]

@@ -29,10 +29,7 @@ ROMEO_RELAXED = {
     **{"LShoulderPitch": 1.5, "LShoulderYaw": 0.15, "LElbowRoll": -1.0, "LElbowYaw": -0.35},
     **{"RShoulderPitch": 1.5, "RShoulderYaw": -0.15, "RElbowRoll": 1.0, "RElbowYaw": 0.35},
 }
-HUMAN_RELAXED = {
-    **{"left_shoulder_X": 0.12, "left_elbow_Z": 0.25},
-    **{"right_shoulder_X": 0.12, "right_elbow_Z": 0.25},
-}
+HUMAN_RELAXED = {**{"left_shoulder_X": 0.12, "left_elbow_Z": 0.25}, **{"right_shoulder_X": 0.12, "right_elbow_Z": 0.25}}
 G1_RELAXED = {
     **{"left_shoulder_roll_joint": 0.15, "left_elbow_joint": 1.2},
     **{"right_shoulder_roll_joint": -0.15, "right_elbow_joint": 1.2},
@@ -41,10 +38,7 @@ TALOS_RELAXED = {
     **{"arm_left_2_joint": 0.15, "arm_left_4_joint": -0.4},
     **{"arm_right_2_joint": -0.15, "arm_right_4_joint": -0.4},
 }
-SIMPLE_RELAXED = {
-    **{"LARM_SHOULDER_R": 0.15, "LARM_ELBOW": -0.3},
-    **{"RARM_SHOULDER_R": -0.15, "RARM_ELBOW": -0.3},
-}
+SIMPLE_RELAXED = {**{"LARM_SHOULDER_R": 0.15, "LARM_ELBOW": -0.3}, **{"RARM_SHOULDER_R": -0.15, "RARM_ELBOW": -0.3}}
 
 
 def _both(joints: Mapping[str, float], spellings: tuple[str, str]) -> dict[str, float]:
