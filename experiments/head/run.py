@@ -17,17 +17,8 @@ from experiments.head.found import Found, Imitation
 from experiments.head.options import Config
 from experiments.head.recall import reproduce, reproduce_elsewhere
 from experiments.head.recording import record
-from experiments.shared.caregiver import (
-    FIND_FACE,
-    FRAME_S,
-    TURN_S,
-    Occlusion,
-    Search,
-    Sequences,
-    lesson,
-    search,
-    watch_teacher,
-)
+from experiments.shared import caregiver
+from experiments.shared.caregiver import FIND_FACE, FRAME_S, TURN_S, Occlusion, Search, Sequences
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.judging import rmse_deg
@@ -61,7 +52,7 @@ def run(config: Config) -> Result:
     if not looked.found:
         return nobody(config, looked)
     with progress("the caregiver mirrors") as report:
-        appearance = lesson(config, config.lessons, config.seed, config.distance, report)
+        appearance = caregiver.lesson(config, config.lessons, config.seed, config.distance, report)
     with progress("babbling with the neck"):
         neck = watching_body(config.robot, copies=MIND_COPIES, scramble=config.scramble)
         mind = learn(neck, minutes=config.babbling_minutes, seed=config.seed)
@@ -94,7 +85,7 @@ def _search(config: Config) -> Search:
         distance=config.distance,
     )  # fmt: skip
     body.reset()
-    return search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
+    return caregiver.search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
 
 
 def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], Strays | None]:
@@ -112,9 +103,9 @@ def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], St
         balls=balls,
     )  # fmt: skip
     if not config.distractor:
-        return watch_teacher(body, paths, cards, report), paths, None
+        return caregiver.watch_teacher(body, paths, cards, report), paths, None
     strays = Strays(body, [len(p) * TICK_S for p in paths], np.random.default_rng([config.seed, 0x57A]))
-    return watch_teacher(body, paths, cards, report, move=strays.move, note=strays.note), paths, strays
+    return caregiver.watch_teacher(body, paths, cards, report, move=strays.move, note=strays.note), paths, strays
 
 
 def within_reach(path: FloatArray, robot: str) -> FloatArray:

@@ -8,20 +8,11 @@ import numpy as np
 from babbling.axes import Axis, FloatArray
 from babbling.files import save
 from experiments.errors import ExperimentError
+from experiments.maze import mind
 from experiments.maze.figures import figures
 from experiments.maze.found import Found, summary
 from experiments.maze.learning import Convergence, walkers
-from experiments.maze.mind import (
-    IMITATING,
-    UNSEEN,
-    Experience,
-    half_for_the_first,
-    infer,
-    step_likelihood,
-    teach,
-    walked,
-    watched,
-)
+from experiments.maze.mind import IMITATING, UNSEEN, Experience
 from experiments.maze.options import SEEING, Config
 from experiments.maze.recall import imitate_elsewhere, recall
 from experiments.maze.recording import record
@@ -53,7 +44,7 @@ def run(config: Config) -> Result:
     maze = default_maze() if config.maze is None else read_maze(config.maze)
     goal_prior = _check(config, maze)
     experience, curve = _experience(config, maze)
-    walks = [walked(episode, maze) for episode in experience.episodes[0]]
+    walks = [mind.walked(episode, maze) for episode in experience.episodes[0]]
     for number, walk in enumerate(walks, 1):
         check_walk(maze, walk, f"{config.memory}, walk {number}")
     for goal in range(1, len(maze.goals) + 1):
@@ -65,10 +56,10 @@ def run(config: Config) -> Result:
     else:
         journey = experience.imitate(config.goal, config.selection, np.random.default_rng([config.seed, IMITATING]))
     unseen = unseen_walk(maze, config.seed)
-    episode, learned, (priors,) = watched(unseen, maze), believed(experience.forward_model)[0], experience.priors
-    sights = dict(zip(SEEING, (None, step_likelihood(maze, learned, episode)), strict=True))
+    episode, learned, (priors,) = mind.watched(unseen, maze), believed(experience.forward_model)[0], experience.priors
+    sights = dict(zip(SEEING, (None, mind.step_likelihood(maze, learned, episode)), strict=True))
     beliefs, even = (
-        {name: infer(priors, episode, prior, config.smoothing, likelihood) for name, likelihood in sights.items()}
+        {name: mind.infer(priors, episode, prior, config.smoothing, likelihood) for name, likelihood in sights.items()}
         for prior in (goal_prior, np.full(len(maze.goals), 1 / len(maze.goals)))
     )
     done = Found(config, experience, walks, curve, journey, unseen, goal_prior, beliefs, even)
@@ -99,7 +90,7 @@ def _check(config: Config, maze: Maze) -> FloatArray:
     five = np.full((1, len(ACTIONS)), 1 / len(ACTIONS))  # a rule that refuses categories should do so before the work
     selection_rule(config.selection)(five, Axis.categorical("action", ACTIONS), np.random.default_rng(0))
     if not config.goal_prior:
-        return half_for_the_first(len(maze.goals))
+        return mind.half_for_the_first(len(maze.goals))
     try:
         given = [float(word) for word in config.goal_prior.split(",")]
     except ValueError:
@@ -111,10 +102,11 @@ def _experience(config: Config, maze: Maze) -> tuple[Experience, Convergence | N
     """Wander and watch, or remember."""
     if config.memory is not None:
         return recall(config.memory, maze, config.seed), None
-    walks = teach(maze, config.demonstrations, config.seed) if config.watch is None else read_walks(config.watch, maze)
+    watch = config.watch
+    walks = mind.teach(maze, config.demonstrations, config.seed) if watch is None else read_walks(watch, maze)
     with progress("wandering") as report:
         forward_model, curve = walkers(maze, config.wander_steps, config.seed, 1, report)
-    episodes = tuple(watched(walk, maze) for walk in walks)
+    episodes = tuple(mind.watched(walk, maze) for walk in walks)
     return Experience(MazeBody(maze, seed=[config.seed, IMITATING]), forward_model, (episodes,)), curve
 
 

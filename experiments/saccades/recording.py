@@ -1,18 +1,32 @@
 """The recording of `imitate saccades`: what both eyes see, what was found and expected, the head in its room."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
-from experiments.saccades.found import Glance
 from experiments.shared import views
 from experiments.shared.eyes import SACCADE_S
 from experiments.shared.eyes_recording import log_events, log_eyes, log_stage
 from experiments.shared.palette import DEMONSTRATED, IMITATED
 from experiments.shared.recording import log_series, recording
 from models.onlooker import Onlooked
+
+
+class Glance(NamedTuple):
+    """One view of the recording."""
+
+    images: tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    found: FloatArray
+    """(K, 4) pixels."""
+    predicted: FloatArray
+    """(K, 4) pixels, where each thing was expected to be."""
+    angles: FloatArray
+    """(2,) true pan and tilt."""
+    event: str
 
 
 def record(

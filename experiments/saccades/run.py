@@ -8,19 +8,11 @@ import numpy as np
 from babbling.files import save
 from babbling.looking import LookingMind
 from babbling.loop import Transitions
+from experiments.saccades import trials
 from experiments.saccades.figures import figures
-from experiments.saccades.found import Glance
 from experiments.saccades.options import Config
-from experiments.saccades.recording import record
-from experiments.saccades.trials import (
-    Predicted,
-    expected,
-    fixate,
-    least_squares,
-    straight_lines,
-    unseen_saccades,
-    within_reach,
-)
+from experiments.saccades.recording import Glance, record
+from experiments.saccades.trials import Predicted, expected
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import COPIES, TOYS, learn_to_look, nursery, toy_places
 from experiments.shared.judging import LearningCurve
@@ -63,7 +55,7 @@ def run(config: Config) -> Result:
             nonlocal unseen
             report(0.8 * done)
             if unseen is None:
-                unseen = unseen_saccades(mind, other, tests, seed)
+                unseen = trials.unseen_saccades(mind, other, tests, seed)
             if done >= marks[len(points)] - 1e-9 or not points:
                 table, line = (unseen.error(expected(mind, unseen, table=t)).mean() for t in (True, False))
                 points.append((mind.minutes + mind.pilot.minutes, table, line))
@@ -73,11 +65,11 @@ def run(config: Config) -> Result:
         babble_s = time.perf_counter() - start
         assert unseen is not None
         speed = body.images_per_second()
-        fixated = fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
+        fixated = trials.fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
     curve = LearningCurve(*np.array(points).T)
     glances = tour(mind, config, selection, seed)
     errors, copy = unseen.error(expected(mind, unseen)), unseen.error(expected(mind, unseen, table=False))
-    straight = unseen.error(straight_lines(mind, body, unseen, seed))
+    straight = unseen.error(trials.straight_lines(mind, body, unseen, seed))
     metrics: dict[str, Any] = {
         "robot": config.robot,
         "babbling_body_minutes": mind.minutes,
@@ -89,7 +81,7 @@ def run(config: Config) -> Result:
         "saccade_prediction_px": float(errors.mean()),
         "saccade_prediction_median_px": float(np.median(errors)),
         "saccade_prediction_p95_px": float(np.quantile(errors, 0.95)),
-        "saccade_prediction_least_squares_px": float(unseen.error(least_squares(mind, notes, unseen)).mean()),
+        "saccade_prediction_least_squares_px": float(unseen.error(trials.least_squares(mind, notes, unseen)).mean()),
         "saccade_prediction_efference_copy_px": float(copy.mean()),
         "saccade_prediction_straight_line_px": float(straight.mean()),
         "fixation_trials": len(fixated.once),
@@ -129,7 +121,7 @@ def tour(mind: LookingMind, eyes: EyeOptions, selection: str, seed: int, looks: 
         glances.append(Glance(body.images[0], *places, body.joint_angles[0].copy(), event))
         if len(glances) > looks:
             return glances
-        possible = np.flatnonzero(within_reach(mind, things, posture[0]) & (np.arange(len(things)) != last))
+        possible = np.flatnonzero(trials.within_reach(mind, things, posture[0]) & (np.arange(len(things)) != last))
         if len(possible) and visits[possible].min() < ENOUGH:
             last = int(rng.choice(possible[visits[possible] == visits[possible].min()]))
             visits[last] += 1

@@ -155,15 +155,9 @@ def provenance(name: str, config: Options) -> dict[str, Any]:
 
 def commit() -> str | None:
     """Which commit of the project runs, and whether it was changed since; None outside a repository."""
-    here = Path(__file__).resolve().parent
+    asked = ["git", "-C", str(Path(__file__).resolve().parent), "describe", "--always", "--dirty"]
     try:
-        done = subprocess.run(
-            ["git", "-C", str(here), "describe", "--always", "--dirty"],
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=True,
-        )
+        done = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip() or None

@@ -14,12 +14,13 @@ import tyro
 
 from experiments.errors import ExperimentError
 from imitation.inference.selection import selection_rule
+from models.files import checked
 from models.robots import find as find_robot
 from models.robots import head_of
 from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 10.0
-LONGEST_MINUTES = 1e5
+LONGEST_MINUTES, LARGEST_FILE = 1e5, 1 << 40
 MIRROR_MINUTES = 6.0
 """Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""
 
@@ -49,16 +50,7 @@ def some(option: str, value: int | tuple[str, ...]) -> None:
 
 def file(option: str, path: Path | str) -> None:
     """A file that can be read."""
-    path = Path(path)
-    try:
-        if path.is_file():
-            return
-        if path.is_dir():
-            raise ExperimentError(f"{path}: this is a directory; name a file in it")
-        wrong = "this is no regular file" if path.exists() else "there is no such file"
-    except OSError as error:
-        wrong = f"it cannot be looked up ({error.strerror or error})"
-    raise ExperimentError(f"{path}: {wrong}; give the path of an existing one")
+    checked(path, LARGEST_FILE)
 
 
 def known(find: Callable[[str], object]) -> Rule:

@@ -22,7 +22,6 @@ from scipy.optimize import linear_sum_assignment
 
 from babbling.axes import FloatArray
 from babbling.kalman import Belief, System, constant_velocity, predict, update
-from imitation.errors import ImitationError
 from imitation.filters import particles as pf
 
 CONFIRMED = 3  # sightings after which a look-alike counts as a thing
@@ -49,15 +48,6 @@ class TrackOptions:
     """Squared Mahalanobis distance beyond which a detection is not the thing's (chi-square: 3 in 10 000 true ones)."""
     forget_s: float = 1.0
     """A look-alike unseen for so long is forgotten."""
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.detection < 1.0:
-            raise ImitationError(
-                f"detection probability {self.detection}: strictly between 0 and 1 (nothing is certain)"
-            )
-        for name in ("dt", "acceleration", "noise", "start_speed", "clutter", "gate", "forget_s"):
-            if not getattr(self, name) > 0.0:
-                raise ImitationError(f"{name} {getattr(self, name)}: must be positive")
 
     @property
     def system(self) -> System:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from models.arrays import FloatArray
-from models.errors import BodyError
 from models.retina import Image
 
 CLOTH_LEVELS = (70.0, 70.0, 76.0)
@@ -13,13 +12,7 @@ TRANSMISSION = {"opaque": 0.0, "see_through": 0.55}
 
 
 def through_cloth(image: Image, kind: str, noise: float, rng: np.random.Generator) -> Image:
-    """The image behind a cloth that covers the eye: what comes through, the cloth's own colour, and pixel noise anew.
-
-    Raises:
-        BodyError: no such cloth.
-    """
-    if kind not in TRANSMISSION:
-        raise BodyError(f"unknown cloth {kind!r}; there are {', '.join(TRANSMISSION)}")
+    """The image behind a cloth that covers the eye: what comes through, the cloth's colour, and pixel noise anew."""
     share = TRANSMISSION[kind]
     mixed: FloatArray = share * image + (1.0 - share) * np.array(CLOTH_LEVELS)
     mixed = mixed + 255.0 * noise * np.sqrt(1.0 - share**2) * rng.standard_normal(image.shape)

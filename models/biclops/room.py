@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import mujoco
 
 from models.biclops import FACE, ROBOT
-from models.errors import BodyError
 
 TEACHER = "teacher_"
 """Prefix of everything that belongs to the head on the other side."""
@@ -31,12 +30,7 @@ def seat_teacher(scene: mujoco.MjSpec, place: mujoco.MjsSite, distance: float) -
 
     The teacher is the same machine wearing the face, its joints and servos `teacher_pan`, `teacher_tilt`, its features
     `teacher_face_nose` and so on (`FEATURES`).
-
-    Raises:
-        BodyError: a teacher within reach of our own base.
     """
-    if not distance >= 0.3:
-        raise BodyError(f"a teacher at {distance} m stands inside our own head; possible is 0.3 m and more")
     other = mujoco.MjSpec.from_file(str(ROBOT))
     other.attach(mujoco.MjSpec.from_file(str(FACE)), site=other.site("face"), prefix=FACE_PREFIX)
     place.pos = (distance, place.pos[1], place.pos[2])
@@ -44,30 +38,14 @@ def seat_teacher(scene: mujoco.MjSpec, place: mujoco.MjsSite, distance: float) -
 
 
 def hang_balls(scene: mujoco.MjSpec, balls: Sequence[Ball]) -> None:
-    """Add balls to a scene, each a mocap body of its name.
-
-    Raises:
-        BodyError: two balls of one name.
-    """
-    names = [ball.name for ball in balls]
+    """Add balls to a scene, each a mocap body of its name."""
+    kind, look = mujoco.mjtGeom.mjGEOM_SPHERE, {"group": 2, "contype": 0, "conaffinity": 0}
     for ball in balls:
-        if names.count(ball.name) > 1:
-            raise BodyError(f"two balls are called {ball.name!r}; every ball needs a name of its own")
         body = scene.worldbody.add_body(name=ball.name, pos=ball.position, mocap=True)
-        body.add_geom(
-            name=ball.name,
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=(ball.radius, 0.0, 0.0),
-            rgba=(*ball.rgb, 1.0),
-            group=2,
-            contype=0,
-            conaffinity=0,
-        )
+        body.add_geom(name=ball.name, type=kind, size=(ball.radius, 0.0, 0.0), rgba=(*ball.rgb, 1.0), **look)
 
 
 def wear_cloth(model: mujoco.MjModel, cloth: str | None) -> None:
     """Put one of `CLOTHS` on the teacher's head, or take it off again (None). It is seen from the next look on."""
-    if cloth is not None and cloth not in CLOTHS:
-        raise BodyError(f"unknown cloth {cloth!r}; there are {', '.join(CLOTHS)}")
     for name in CLOTHS:
         model.geom(f"{TEACHER}{FACE_PREFIX}{name}").rgba[3] = float(name == cloth)

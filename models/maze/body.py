@@ -43,16 +43,9 @@ class MazeBody:
     def __init__(
         self, maze: Maze, *, copies: int = 1, seed: int | Sequence[int] = 0, dynamics: ArrayLike | None = None
     ) -> None:
-        if copies < 1:
-            raise BodyError(f"{copies} copies of a walker; at least 1 is needed")
         self.maze, self.copies = maze, copies
         self.dynamics: FloatArray = np.array(TRUE_DYNAMICS if dynamics is None else dynamics, float)
         size = len(ACTIONS)
-        if self.dynamics.shape != (size, size) or not (self.dynamics >= 0).all():
-            raise BodyError(f"dynamics of shape {self.dynamics.shape}: {size} x {size} probabilities are needed")
-        for action, total in zip(ACTIONS, self.dynamics.sum(1), strict=True):
-            if abs(total - 1) > 1e-9:
-                raise BodyError(f"dynamics: the row of action {action} sums to {total:g}, not to 1")
         self._rng = np.random.default_rng([*np.atleast_1d(seed).tolist(), 0x3A2E])
         self.motor_low, self.motor_high = np.zeros(1), np.full(1, size - 1.0)
         self.tick_s = 1.0  # one step is called one second

@@ -47,20 +47,9 @@ class Performance:
     bones: tuple[tuple[int, int], ...]
 
     def __post_init__(self) -> None:
-        time = _frozen(self.time)
-        points = _frozen(self.points)
         directions = {part: _frozen(values) for part, values in self.directions.items()}
-        if time.ndim != 1 or len(time) < 3 or time[0] != 0 or not (np.diff(time) > 0).all():
-            raise TeacherError(f"{self.name}: time must be at least 3 seconds-values that increase from 0")
-        for part, values in directions.items():
-            if part not in PARTS:
-                raise TeacherError(f"{self.name}: {part!r} is no body part; there are {', '.join(PARTS)}")
-            if values.shape != (len(time), 3) or not np.allclose(np.linalg.norm(values, axis=1), 1, atol=1e-9):
-                raise TeacherError(f"{self.name}: directions of {part!r} must be {len(time)} unit vectors")
-        if points.ndim != 3 or points.shape[::2] != (len(time), 3) or not np.isfinite(points).all():
-            raise TeacherError(f"{self.name}: points have shape {points.shape}; they must be ({len(time)}, K, 3)")
-        object.__setattr__(self, "time", time)
-        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "time", _frozen(self.time))
+        object.__setattr__(self, "points", _frozen(self.points))
         object.__setattr__(self, "directions", MappingProxyType(directions))
 
 

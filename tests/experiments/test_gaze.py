@@ -16,7 +16,6 @@ from experiments.gaze.trials import Trials, Watcher, straight, tilt_of, view
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
-from models.biclops.cloth import through_cloth
 from models.biclops.gaze import TABLE_X, TABLE_Y, lay_out, look_at, possible, separation
 from models.errors import BodyError
 from models.heads import stage
@@ -42,8 +41,6 @@ def test_whether_a_cloth_lets_one_see_is_seen() -> None:
         own_experience(lore, kind, [image], 0.02, rng)
         belief[kind] = lore.sees(True)[0]
     assert belief["opaque"] < 0.15 and belief["see_through"] > 0.85
-    with pytest.raises(BodyError, match="unknown cloth 'silk'"):
-        through_cloth(image, "silk", 0.0, rng)
 
 
 def test_calibration_error_of_known_tables() -> None:

@@ -237,10 +237,3 @@ def test_the_kalman_track_beats_raw_detections_of_a_slow_thing() -> None:
         track, _ = tracking.follow(track, seen[k], options, rng)
         errors.append(track.position - truth[k])
     assert np.std(errors[10:]) < 0.6 * np.std(seen - truth)
-
-
-def test_a_track_needs_sense() -> None:
-    with pytest.raises(ImitationError, match="detection probability"):
-        tracking.TrackOptions(detection=1.0)
-    with pytest.raises(ImitationError, match="noise -1"):
-        tracking.TrackOptions(noise=-1.0)

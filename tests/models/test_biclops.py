@@ -5,7 +5,6 @@ import pytest
 from models.biclops import ROBOT, facts
 from models.biclops.profile import profile
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
-from models.errors import BodyError
 from models.heads import stage
 
 
@@ -115,9 +114,3 @@ def test_a_teacher_faces_us_and_wears_cloths() -> None:
         wear_cloth(model, cloth)
         for name in ("blindfold", "headband"):
             assert model.geom(f"{TEACHER}{FACE_PREFIX}{name}").rgba[3] == float(name == cloth)
-    with pytest.raises(BodyError, match="unknown cloth 'hat'; there are blindfold, headband"):
-        wear_cloth(model, "hat")
-    with pytest.raises(BodyError, match=r"a teacher at 0\.1 m"):
-        stage("biclops", teacher=True, distance=0.1)
-    with pytest.raises(BodyError, match="two balls are called 'a'"):
-        stage("biclops", balls=[Ball("a", (1, 0, 0), (1, 0, 0))] * 2)

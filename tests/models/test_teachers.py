@@ -197,12 +197,8 @@ def test_unknown_joints_and_teachers() -> None:
         perform_motion("icup", trajectory)
 
 
-def test_performances_refuse_what_is_not_one() -> None:
+def test_performances_cannot_be_changed() -> None:
     seen = performed("icub-wave")
-    with pytest.raises(TeacherError, match="'tail' is no body part; there are left_upper_arm"):
-        Performance("x", "y", seen.time, {"tail": seen.directions["head"]}, seen.points, seen.bones)
-    with pytest.raises(TeacherError, match="directions of 'head' must be 281 unit vectors"):
-        Performance("x", "y", seen.time, {"head": seen.directions["head"] * 2}, seen.points, seen.bones)
     with pytest.raises(ValueError, match="read-only"):
         seen.directions["head"][0] = 1
 
