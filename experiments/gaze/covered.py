@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from babbling.axes import Axis
-from experiments.gaze.trials import TOYS, Trials, Watcher, infer, run_trials
+from experiments.gaze.infer import infer
+from experiments.gaze.trials import TOYS, Trials, Watcher, run_trials
 from experiments.shared.judging import alike, difference, interval_95
 from imitation.gaze.reader import EyeLore
 from imitation.inference.selection import select_matching

@@ -8,19 +8,8 @@ import numpy as np
 from scipy.special import softmax
 
 from babbling.axes import FloatArray, IntArray
-from experiments.gaze.trials import (
-    COPIES,
-    TOYS,
-    Trials,
-    Watcher,
-    infer,
-    located,
-    preferences,
-    run_trials,
-    shown,
-    straight,
-    table_body,
-)
+from experiments.gaze.infer import infer, preferences
+from experiments.gaze.trials import COPIES, TOYS, Trials, Watcher, located, run_trials, shown, straight, table_body
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.judging import Sweep, constant_confidence, over_learners, scores
 

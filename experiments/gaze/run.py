@@ -14,22 +14,11 @@ from experiments.gaze.covered import covered_eyes
 from experiments.gaze.crowds import crowds
 from experiments.gaze.figures import figures
 from experiments.gaze.found import Found
+from experiments.gaze.infer import infer, preferences
 from experiments.gaze.options import Config
 from experiments.gaze.recording import record
 from experiments.gaze.scene import episode
-from experiments.gaze.trials import (
-    COPIES,
-    PAIR,
-    TOYS,
-    Watcher,
-    infer,
-    lesson_for_gaze,
-    preferences,
-    run_trials,
-    shown,
-    table_body,
-    view,
-)
+from experiments.gaze.trials import COPIES, PAIR, TOYS, Watcher, lesson_for_gaze, run_trials, shown, table_body, view
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
