@@ -21,9 +21,6 @@ Image = npt.NDArray[np.uint8]
 Levels = npt.NDArray[np.float32]
 """The same in levels 0 to 255, not yet whole."""
 
-LARGEST_SIDE = 2048  # pixels; above this a mistyped number, not a retina
-SMALLEST_SIDE = 8
-
 
 @dataclass(frozen=True)
 class RetinaOptions:
@@ -40,17 +37,6 @@ class RetinaOptions:
     noise: float = 0.0
     blur: float = 0.0
     antialias: bool = True
-
-    def __post_init__(self) -> None:
-        for name, side in (("width", self.width), ("height", self.height)):
-            if not SMALLEST_SIDE <= side <= LARGEST_SIDE:
-                raise BodyError(f"a retina {name} of {side} pixels: possible are {SMALLEST_SIDE} to {LARGEST_SIDE}")
-        if self.fovy_deg is not None and not 1.0 <= self.fovy_deg <= 150.0:
-            raise BodyError(f"a vertical field of view of {self.fovy_deg} degrees: possible are 1 to 150")
-        if not 0.0 <= self.noise <= 1.0:
-            raise BodyError(f"pixel noise {self.noise}: a fraction of full scale, 0 to 1")
-        if not 0.0 <= self.blur <= 20.0:
-            raise BodyError(f"blur {self.blur}: a standard deviation in pixels, 0 to 20")
 
 
 def camera_id(model: mujoco.MjModel, name: str) -> int:

@@ -31,14 +31,8 @@ SUBPIXEL = np.array([(0.375, 0.125), (-0.125, 0.375), (-0.375, -0.125), (0.125, 
 VISIBLE_GROUPS = np.array([1, 1, 1, 0, 0, 0], np.uint8)  # MuJoCo's own custom: groups 3 to 5 are collision shapes
 FAR = 1.0e3  # metres; where a ray that hits nothing is said to end
 
-_CONVEX = [
-    mujoco.mjtGeom.mjGEOM_PLANE,
-    mujoco.mjtGeom.mjGEOM_SPHERE,
-    mujoco.mjtGeom.mjGEOM_CAPSULE,
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-    mujoco.mjtGeom.mjGEOM_CYLINDER,
-    mujoco.mjtGeom.mjGEOM_BOX,
-]
+_KINDS = ("PLANE", "SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX")
+_CONVEX = [getattr(mujoco.mjtGeom, f"mjGEOM_{kind}") for kind in _KINDS]
 _CORNERS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 

@@ -32,13 +32,9 @@ def command(config: Config) -> None:
     checkpoint = out.with_name(out.name + ".partial")
     with progress(f"{config.robot} babbles") as report:
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
-    told: dict[str, str | float] = {
-        "robot": config.robot,
-        "minutes": config.babbling_minutes,
-        "noise_deg": config.sensor_noise_deg,
-    }
     scramble = -1 if config.scramble is None else config.scramble
-    save(learned.mind, out, people_say(body_of(config, 1)), **told, scramble=scramble)
+    told = {"minutes": config.babbling_minutes, "noise_deg": config.sensor_noise_deg, "scramble": scramble}
+    save(learned.mind, out, people_say(body_of(config, 1)), robot=config.robot, **told)
     checkpoint.unlink(missing_ok=True)
     metrics = {"robot": config.robot, "seed": config.seed, **learned.metrics}
     out.with_suffix(".json").write_text(as_json(metrics))

@@ -1,13 +1,9 @@
 """Options of `imitate maze`."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from babbling.errors import unknown
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options, Selection, ToRead, options, within
-
-SEEING = ("seen", "unseen")
-"""What an observer may see of a teacher's actions."""
 
 
 @options
@@ -26,7 +22,7 @@ class Config(Options):
     """Walks per goal that the teacher shows."""
     wander_steps: Annotated[int, within(0, 10_000_000, "steps")] = 5000
     """Random steps from which the forward model is learned; 0 leaves it uniform."""
-    actions: str = "seen"
+    actions: Literal["seen", "unseen"] = "seen"
     """Whether intent is inferred with the teacher's actions seen, or unseen: from its places alone."""
     smoothing: float = 0.1
     """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
@@ -44,5 +40,3 @@ class Config(Options):
         if self.memory is not None and self.watch is not None:
             raise ExperimentError("--memory and --watch: a memory already holds what was watched; give one of them")
         super().check()
-        if self.actions not in SEEING:
-            raise ExperimentError(unknown("way to watch --actions", self.actions, SEEING))

@@ -13,7 +13,7 @@ from experiments.maze.figures import figures
 from experiments.maze.found import Found, summary
 from experiments.maze.learning import Convergence, walkers
 from experiments.maze.mind import IMITATING, UNSEEN, Experience
-from experiments.maze.options import SEEING, Config
+from experiments.maze.options import Config
 from experiments.maze.recall import imitate_elsewhere, recall
 from experiments.maze.recording import record
 from experiments.maze.study import study
@@ -57,7 +57,7 @@ def run(config: Config) -> Result:
         journey = experience.imitate(config.goal, config.selection, np.random.default_rng([config.seed, IMITATING]))
     unseen = unseen_walk(maze, config.seed)
     episode, learned, (priors,) = mind.watched(unseen, maze), believed(experience.forward_model)[0], experience.priors
-    sights = dict(zip(SEEING, (None, mind.step_likelihood(maze, learned, episode)), strict=True))
+    sights = {"seen": None, "unseen": mind.step_likelihood(maze, learned, episode)}
     beliefs, even = (
         {name: mind.infer(priors, episode, prior, config.smoothing, likelihood) for name, likelihood in sights.items()}
         for prior in (goal_prior, np.full(len(maze.goals), 1 / len(maze.goals)))

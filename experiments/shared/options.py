@@ -146,15 +146,15 @@ class EyeOptions(Options):
     """biclops or hoap2."""
     scramble: Annotated[int, within(0)] | None = None
     """Seed of an unknown wiring between mind and neck."""
-    noise: float = 0.02
+    noise: Annotated[float, within(0, 1, "of full scale")] = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
-    width: int = 160
+    width: Annotated[int, within(8, 2048, "pixels")] = 160
     """Pixels of each retina, across."""
-    height: int = 120
+    height: Annotated[int, within(8, 2048, "pixels")] = 120
     """Pixels of each retina, down."""
-    blur: float = 0.0
+    blur: Annotated[float, within(0, 20, "pixels")] = 0.0
     """Standard deviation of a blur, pixels."""
-    fovy_deg: float | None = None
+    fovy_deg: Annotated[float, within(1, 150, "degrees")] | None = None
     """Vertical field of view; None is the robot's own."""
     renderer: str = "rays"
     """rays (no graphics needed) or mujoco (EGL or OSMesa)."""

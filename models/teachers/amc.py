@@ -15,28 +15,12 @@ from models.arrays import FloatArray
 from models.files import checked, text
 from models.teachers.performance import TeacherError
 
+_ARM = {"clavicle": 2, "humerus": 3, "radius": 1, "wrist": 1, "hand": 2, "fingers": 1, "thumb": 2}
+_LEG = {"femur": 3, "tibia": 1, "foot": 2, "toes": 1}
 BONES: dict[str, int] = {
     "root": 6,
-    "lowerback": 3,
-    "upperback": 3,
-    "thorax": 3,
-    "lowerneck": 3,
-    "upperneck": 3,
-    "head": 3,
-    **{
-        side + bone: count
-        for side in "rl"
-        for bone, count in {
-            "clavicle": 2,
-            "humerus": 3,
-            "radius": 1,
-            "wrist": 1,
-            "hand": 2,
-            "fingers": 1,
-            "thumb": 2,
-        }.items()
-    },
-    **{side + bone: count for side in "rl" for bone, count in {"femur": 3, "tibia": 1, "foot": 2, "toes": 1}.items()},
+    **dict.fromkeys(("lowerback", "upperback", "thorax", "lowerneck", "upperneck", "head"), 3),
+    **{side + bone: count for limb in (_ARM, _LEG) for side in "rl" for bone, count in limb.items()},
 }
 """Bone -> how many numbers it has, in the order in which the database lists them."""
 MIN_FRAMES = 4

@@ -171,7 +171,7 @@ def test_heads_turn_as_said(turn: Callable[..., np.ndarray]) -> None:
         ({"objects": "0.5,0.1;0.5,-0.1", "target": 3}, "there are 2 objects"),
         ({"aim_deg": 0.0}, "at most 20 degrees"),
         ({"distance": 3.0}, "between 0.7 and 1.2 m"),
-        ({"width": 0}, "a retina width of 0 pixels"),
+        ({"width": 0}, "--width 0: it must lie between 8 and 2048 pixels"),
         ({"robot": "maze"}, "unknown robot with eyes 'maze'"),
     ],
 )

@@ -151,8 +151,8 @@ def test_nobody_there_is_searched_for_and_then_said() -> None:
     ("options", "text"),
     [
         ({"sequences": 0}, "between 1 and 64"),
-        ({"width": 0}, "a retina width of 0 pixels"),
-        ({"height": 100_000}, "a retina height of 100000 pixels"),
+        ({"width": 0}, "--width 0: it must lie between 8 and 2048 pixels"),
+        ({"height": 100_000}, "--height 100000: it must lie between 8"),
         ({"robot": "biclop"}, "did you mean 'biclops'"),
         ({"movement": "shrug"}, "unknown head movement 'shrug'"),
         ({"selection": "best"}, "unknown selection 'best'"),

@@ -114,11 +114,13 @@ def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"width": 0}, "a retina width of 0 pixels"),
+        ({"width": 0}, "--width 0: it must lie between 8 and 2048 pixels"),
         ({"robot": "hoap"}, "did you mean 'hoap2'"),
         ({"seed": -1}, "it must be 0 or more"),
         ({"renderer": "crayon"}, "unknown renderer 'crayon'"),
-        ({"noise": 2.0}, "pixel noise 2"),
+        ({"noise": 2.0}, "--noise 2: it must lie between 0 and 1 of full scale"),
+        ({"fovy_deg": 200.0}, "--fovy-deg 200"),
+        ({"blur": float("nan")}, "--blur nan"),
     ],
 )
 def test_options_that_cannot_be_meant_are_refused_in_one_line(options: dict[str, object], text: str) -> None:
