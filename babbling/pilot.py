@@ -5,7 +5,7 @@ useful range of each motor, how the body coasts, the axes, and a linear-Gaussian
 state estimate. A mind starts from two ranges (motors, senses) and a tick; it asks nothing else of its body.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import Annotated
@@ -92,8 +92,11 @@ def pilot(body: Body, seed: int) -> Pilot:
     return begin(body, seed)[0]
 
 
-def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
-    """`pilot`, and a forward model that has already learned from what the pilot lived through.
+def begin(
+    body: Body, seed: int, heed: Callable[[FloatArray, FloatArray], object] = lambda motors, senses: None
+) -> tuple[Pilot, Explanations]:
+    """`pilot`, and a forward model that has already learned from what the pilot lived through; `heed` is told it, as
+    (T, B, M) commands and (T + 1, B, S) sensations.
 
     Raises:
         BabblingError: a motor that moves nothing that is felt.
@@ -113,6 +116,7 @@ def begin(body: Body, seed: int) -> tuple[Pilot, Explanations]:
     high = np.minimum(ends[1], body.sense_high[schema.posture])
     stream = smooth(span, body.copies, tick, np.random.default_rng([seed, 2]))
     motors, senses = explore(body, stream, round(PILOT_S / tick))
+    heed(motors, senses)
     dynamics = fit_dynamics(schema, motors, senses)
     run = _believed(schema, dynamics, motors, senses)
     scale = np.abs(schema.slope)[:, None]

@@ -4,12 +4,11 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from babbling.axes import FloatArray
-from babbling.body import Body
 from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
@@ -57,34 +56,13 @@ class Point:
     costs: dict[str, float] = field(default_factory=dict)
 
 
-class Recorder:
-    """A body whose last run is kept."""
-
-    def __init__(self, body: Body) -> None:
-        self.body = body
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.body, name)
-
-    def reset(self) -> FloatArray:
-        """See `Body`."""
-        self.told, self.felt = list[FloatArray](), [self.body.reset()]
-        return self.felt[0]
-
-    def act(self, motors: FloatArray) -> FloatArray:
-        """See `Body`."""
-        self.told.append(motors)
-        self.felt.append(self.body.act(motors))
-        return self.felt[-1]
-
-
 def live(task: Task) -> list[Point]:
     """Pilot and babble; at every stop, everyone imitates."""
     options, points, done, before = task.config.body(task.body, task.seed), list[Point](), 0, 0.0
     body = body_of(options, COPIES)
-    recorder = Recorder(body)
-    found, model = begin(cast(Body, recorder), task.seed)
-    lived = [Steps.lived(found, np.array(recorder.told), np.array(recorder.felt))]
+    runs = list[tuple[FloatArray, FloatArray]]()
+    found, model = begin(body, task.seed, lambda *run: runs.append(run))
+    lived = [Steps.lived(found, *run) for run in runs]
     for stop in task.stops:
         for ticks in bouts(stop - before, body) if stop > before else ():
             body.reseed(1 + done)

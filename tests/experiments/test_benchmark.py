@@ -150,10 +150,11 @@ def test_free_preview_control_brings_a_linear_world_onto_every_posture_of_the_pa
 
 def test_peers_are_taught_what_the_forward_model_learns(arm: Path) -> None:
     body = load_body(arm, copies=4)
-    recorder = lives.Recorder(body)
-    found, model = begin(recorder, seed=2)
-    begun = Steps.lived(found, np.array(recorder.told), np.array(recorder.felt))
-    columns, outcome = found.experienced(np.array(recorder.told), np.array(recorder.felt))
+    runs: list[tuple[np.ndarray, np.ndarray]] = []
+    found, model = begin(body, 2, lambda *run: runs.append(run))
+    [run] = runs
+    begun = Steps.lived(found, *run)
+    columns, outcome = found.experienced(*run)
     assert (model.sums.samples == len(outcome)).all()
     for name in ("posture", "rate", "before", "action"):
         np.testing.assert_allclose(getattr(begun, name), columns[..., COLUMNS.index(name)], atol=1e-12)
