@@ -4,8 +4,8 @@ Rays go through pixel centres (`mujoco.mj_multiRay`); what they hit is shaded by
 
     level = 255 rgb (ambient + sum over lights of k_l max(0, n . l)),
 
-n the surface normal, l the direction to the light, k_l the mean of the light's diffuse colour (lights are white here),
-the camera's own headlight included. There are no shadows, highlights, textures or transparency.
+n the surface normal, l the direction to the light, k_l the mean of the light's diffuse colour (lights are white and far
+away here), the camera's own headlight included. There are no shadows, highlights, materials or transparency.
 
 Most of an image is plain, so rays are spent where something happens. A block of 4 x 4 pixels is *plain* when the rays
 through its four corners hit the same convex geom with nearly the same normal and no other geom can stand in front
@@ -52,15 +52,11 @@ class Hits(NamedTuple):
 class Lights(NamedTuple):
     """The light of one moment, and what it falls on."""
 
-    origin: FloatArray
-    """(3,) the camera's place."""
     ambient: float
     towards: FloatArray
-    """(3, directional lights) unit vectors to the lights, the headlight among them."""
+    """(3, lights) unit vectors to the lights, the headlight among them."""
     strength: FloatArray
-    """(directional lights,)"""
-    lamps: tuple[tuple[FloatArray, float], ...]
-    """Lights with a place (3,) and a strength."""
+    """(lights,)"""
     colour: Levels
     """(geoms + 1, 3) levels in full light; the last row, geom -1, is the scene's haze."""
 
@@ -137,20 +133,12 @@ class RayEye(Eye):
             ambient += float(headlight.ambient.mean())
             towards.append(data.cam_xmat[self._camera].reshape(3, 3)[:, 2])
             strength.append(float(headlight.diffuse.mean()))
-        lamps = []
         for i in np.flatnonzero(model.light_active):
             ambient += float(model.light_ambient[i].mean())
-            if model.light_type[i] == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL:
-                towards.append(-data.light_xdir[i])
-                strength.append(float(model.light_diffuse[i].mean()))
-            else:
-                lamps.append((data.light_xpos[i].copy(), float(model.light_diffuse[i].mean())))
-        rgb = model.geom_rgba[:, :3].copy()
-        painted = (model.geom_matid >= 0) & (rgb == 0.5).all(axis=1)  # MuJoCo's default gives way to a material's
-        rgb[painted] = model.mat_rgba[model.geom_matid[painted], :3]
-        colour = (255.0 * np.vstack([rgb, model.vis.rgba.haze[:3]])).astype(np.float32)
-        origin = data.cam_xpos[self._camera]
-        return Lights(origin, ambient, np.stack(towards, axis=1), np.array(strength), tuple(lamps), colour)
+            towards.append(-data.light_xdir[i])
+            strength.append(float(model.light_diffuse[i].mean()))
+        colour = (255.0 * np.vstack([model.geom_rgba[:, :3], model.vis.rgba.haze[:3]])).astype(np.float32)
+        return Lights(ambient, np.stack(towards, axis=1), np.array(strength), colour)
 
     def _plain_blocks(self, data: mujoco.MjData, hits: Hits) -> BoolArray:
         """Which blocks (rows, columns) certainly show one convex geom, or nothing, and no other geom."""
@@ -164,7 +152,7 @@ class RayEye(Eye):
 
         model = self._model
         visible = (VISIBLE_GROUPS[np.clip(model.geom_group, 0, 5)] == 1) & (model.geom_bodyid != self._own_body)
-        other = np.flatnonzero(visible & ((model.geom_matid >= 0) | (model.geom_rgba[:, 3] > 0.0)))
+        other = np.flatnonzero(visible & (model.geom_rgba[:, 3] > 0.0))
         rotation = data.geom_xmat[other].reshape(-1, 3, 3)
         centre = data.geom_xpos[other] + np.einsum("gij,gj->gi", rotation, model.geom_aabb[other, :3])
         half = self._half[other]
@@ -204,10 +192,6 @@ class RayEye(Eye):
 def _shade(hits: Hits, lights: Lights) -> Levels:
     """Levels (n, 3) of what was hit."""
     light = lights.ambient + np.maximum(hits.normal @ lights.towards, 0.0) @ lights.strength
-    for place, strength in lights.lamps:
-        towards = (place - lights.origin) - hits.depth[:, None] * hits.direction
-        cosine = np.einsum("ij,ij->i", hits.normal, towards) / np.linalg.norm(towards, axis=1)
-        light += strength * np.maximum(cosine, 0.0)
     light[hits.geom < 0] = 1.0
     return np.asarray(lights.colour[hits.geom] * np.minimum(light, 1.0).astype(np.float32)[:, None])
 
