@@ -33,8 +33,10 @@ SHORTEST_S, LONGEST_S = 0.2, 4.0
 """Durations of a single move: shorter ones are jerks that no one would imitate, longer ones fill a bout."""
 
 
-def smooth(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator) -> Iterator[FloatArray]:
-    """Minimum-jerk moves between random postures, peak speeds log-uniform over two decades up to the limit.
+def smooth(
+    motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator, decades: float = 2.0
+) -> Iterator[FloatArray]:
+    """Minimum-jerk moves between random postures, peak speeds log-uniform over so many decades up to the limit.
 
     Law of a move from x0 to x1 of duration T, with r = t / T (Flash and Hogan 1985):
     x = x0 + (x1 - x0)(10 r^3 - 15 r^4 + 6 r^5), peak speed 15/8 |x1 - x0| / T.
@@ -49,7 +51,7 @@ def smooth(motors: MotorRange, copies: int, tick_s: float, rng: np.random.Genera
         if count:
             start[done] = goal[done]
             goal[done] = low[done] + (high - low)[done] * rng.random(count)
-            speed = top[done] * 10.0 ** (-2.0 * rng.random(count))
+            speed = top[done] * 10.0 ** (-decades * rng.random(count))
             longest = LONGEST_S * speed * 8 / 15  # a slow move across the whole range would fill the whole bout
             goal[done] = np.clip(goal[done], start[done] - longest, start[done] + longest)
             duration[done] = np.maximum(15 / 8 * np.abs(goal[done] - start[done]) / speed, SHORTEST_S)

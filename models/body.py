@@ -145,7 +145,7 @@ class SimulatedBody:
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
         try:
-            self.batch.step(nstep=self.substeps, stage=self._stage)
+            self.batch.step(ids=self._awake(), nstep=self.substeps, stage=self._stage)
         finally:
             mujoco.set_mju_user_warning(told)
         self.time += self.tick_s
@@ -199,6 +199,10 @@ class SimulatedBody:
         for name in ("dof_damping", "body_mass", "body_inertia"):
             self.batch.expand(name)[:] = self._born(name)
         self.batch.set_const()
+
+    def _awake(self) -> IntArray | None:
+        """Copies to be stepped; None is all of them."""
+        return None
 
     def _born(self, field: str) -> FloatArray:
         """(B, ...) numbers of the copies' models as they were made."""

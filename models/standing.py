@@ -6,7 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models.arrays import BoolArray, FloatArray
+from models.arrays import BoolArray, FloatArray, IntArray
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.robots import Stance
@@ -104,6 +104,15 @@ class StandingBody(SimulatedBody):
         upright = self._turn[:, self._hips, 8]
         low = self._place[:, self._hips, 2] < FALLEN_HEIGHT * self._home
         return np.asarray((upright < np.cos(np.deg2rad(FALLEN_DEG))) | low)
+
+    @property
+    def configuration(self) -> FloatArray:
+        """(B, nq) of the model now, its place and turn included: to draw it."""
+        return np.array(self.batch.qpos)
+
+    def _awake(self) -> IntArray:
+        """Who lies on the floor stays there."""
+        return np.flatnonzero(~self.fallen)
 
     def _born(self, field: str) -> FloatArray:
         return self._individuals[field] if field in self._individuals else super()._born(field)

@@ -1,0 +1,247 @@
+"""On one's own feet: the body that stands, how it learns balance, and how it imitates there."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from babbling.axes import BoolArray, FloatArray, fixed
+from babbling.balance import Balance, Stood, find_pressure, settled, wiggled
+from babbling.exploration import MotorRange, smooth
+from babbling.mind import Mind
+from experiments.shared.options import BodyOptions
+from imitation.acting.balancing import Balancer, Plan
+from imitation.acting.loop import Imitator
+from imitation.acting.movement import Movement
+from models.body import SimulatedBody
+from models.loading import load_standing
+from models.standing import Individuals, StandingBody
+
+ROCKING, ROCKING_S, ROCKING_N = 8, 8.0, 4.0
+"""Copies, seconds, and the strongest push of being rocked."""
+WIGGLING, WIGGLING_S = 24, 10.0
+STAGE, STAGE_S = 16, 8.0
+STAGES = (0.2, 0.4, 0.6, 0.8, 1.0)
+"""Shares of the joints' ranges that it moves over, one stage after the other."""
+WIGGLE, EXPLORE = np.deg2rad(2.5), np.deg2rad(2.0)
+"""How far every joint, then every offset, is moved at random, rad."""
+PACE = 1.5
+"""Top speed of moving about, rad/s."""
+GENTLY = 0.2
+"""The same of wiggling."""
+QUIET = 0.3
+"""Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
+BEFORE_S = 0.3
+"""What comes so shortly before a fall is part of it."""
+LEARNERS = 100_000
+"""Individuals from here on learn balance; those judged are others."""
+
+
+def standing_of(
+    options: BodyOptions,
+    copies: int,
+    first: int,
+    *,
+    individuals: Individuals = Individuals(),  # noqa: B008  (frozen)
+    tilt_deg: tuple[float, float] = (0.0, 0.0),
+) -> StandingBody:
+    """Individuals `first` and following of the robot, on their feet."""
+    return load_standing(
+        options.robot,
+        copies=copies,
+        threads=options.threads,
+        noise=float(np.deg2rad(options.sensor_noise_deg)),
+        scramble=options.scramble,
+        seed=options.seed * 1000 + first % 997,
+        individuals=replace(individuals, first=first),
+        tilt_deg=tilt_deg,
+    )
+
+
+class Joints:
+    """What a mind that babbled on its stand feels of a body on its feet: its joints, on the lines it knows them by."""
+
+    def __init__(self, hung: SimulatedBody, body: StandingBody) -> None:
+        self.hung, self.body = hung, body
+
+    def felt(self, senses: FloatArray) -> FloatArray:
+        """(B, S) senses as on the stand."""
+        return self.hung.senses.vector({name: self.body.senses.read(senses, name) for name in ("angle", "speed")})
+
+
+@dataclass
+class Learner:
+    """Someone who learns to stand: mind, bodies, and what happened so far."""
+
+    options: BodyOptions
+    mind: Mind
+    hung: SimulatedBody
+    report: Callable[[float], None]
+    minutes: list[float]
+    falls: list[float]
+
+    def bodies(self, copies: int) -> StandingBody:
+        """Others than any before."""
+        return standing_of(self.options, copies, LEARNERS + 1000 * self.options.seed + 100 * len(self.minutes))
+
+    def stand(self, body: StandingBody, plan: Plan) -> Stood:
+        """Do what was planned, eyes shut."""
+        schema, loads, up = self.mind.pilot.schema, [], []
+        body.reset()
+        for command in plan.postures:
+            senses = body.act(schema.motors(np.clip(command, *self.mind.pilot.ends.T)))
+            loads.append(body.senses.read(senses, "touch"))
+            up.append(~body.fallen)
+        self.note(body, len(loads), int(body.fallen.sum()))
+        upright = np.array(up)
+        for copy in np.flatnonzero(~upright[-1]):
+            upright[max(0, int(np.argmin(upright[:, copy])) - round(BEFORE_S / body.tick_s)) :, copy] = False
+        return Stood(plan.planned, plan.offset, plan.postures, np.array(loads), upright)
+
+    def note(self, body: StandingBody, ticks: int, falls: int) -> None:
+        """Keep how long it took and how often it fell."""
+        self.minutes.append(ticks * body.copies * body.tick_s / 60)
+        self.falls.append(falls)
+        self.report(len(self.minutes) / (2 + len(STAGES)))
+
+
+def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report: Callable[[float], None]) -> Balance:
+    """Be rocked, wiggle, then move ever further about; see `babbling.balance`."""
+    learner = Learner(options, mind, hung, report, [], [])
+    body = learner.bodies(ROCKING)
+    tick, rng = body.tick_s, np.random.default_rng([options.seed, 30])
+    senses, home = rocked(learner, body, rng)
+    pressure, _ = find_pressure(body.senses.read(senses, "touch"), body.senses.read(senses, "accelerometer")[..., 0, :])
+    body = learner.bodies(WIGGLING)
+    beside = wander(np.full(len(home), WIGGLE), body, WIGGLING_S, rng, GENTLY)
+    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(3)))
+    run = learner.stand(body, still)
+    found = wiggled(run, home, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
+    runs: list[Stood] = []
+    low, high, carries = mind.pilot.low, mind.pilot.high, found.carries > 0
+    for share in STAGES:
+        body = learner.bodies(STAGE)
+        moves = wander(share * np.stack([low - home, high - home]), body, STAGE_S, rng)
+        moves[:, ::2, carries] = 0
+        moves[:, 1::4, ~carries] *= QUIET
+        explore = wander(np.full(2, EXPLORE), body, STAGE_S, rng)
+        runs.append(learner.stand(body, Balancer(found).plan(home + moves, explore)))
+        lean, table = settled(found, runs, tick)
+        found = replace(found, weights=lean, forward_model=table)
+    return replace(found, minutes=np.array(learner.minutes), falls=np.array(learner.falls))
+
+
+def rocked(learner: Learner, body: StandingBody, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """(T, B, S) senses while somebody rocks it, the first second left out; and the posture it holds."""
+    schema, joints = learner.mind.pilot.schema, Joints(learner.hung, body)
+    felt = body.reset()
+    home = joints.felt(felt)[:, schema.posture].mean(0)
+    still = np.tile(schema.motors(home), (body.copies, 1))
+    senses = []
+    for force in wander(np.full(2, ROCKING_N), body, ROCKING_S, rng, ROCKING_N * 3):
+        body.push(np.pad(force, ((0, 0), (0, 1))))
+        senses.append(body.act(still))
+    learner.note(body, len(senses), int(body.fallen.sum()))
+    return np.array(senses)[round(1 / body.tick_s) :], home
+
+
+def wander(
+    reach: FloatArray, body: StandingBody, seconds: float, rng: np.random.Generator, pace: float = PACE
+) -> FloatArray:
+    """(T, B, K) smooth moves about 0 within `reach`, (K,) either way or (2, K) ends; pace in its units a second."""
+    low, high = (-reach, reach) if reach.ndim == 1 else reach
+    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    nothing = np.zeros(len(low))
+    span = MotorRange(low, high, nothing, np.full(len(low), pace), nothing)
+    return np.array(
+        list(islice(smooth(span, body.copies, body.tick_s, rng, decades=0.9), round(seconds / body.tick_s)))
+    )
+
+
+@dataclass(frozen=True)
+class Performance:
+    """How B copies did on their feet, at T ticks; for those who judge."""
+
+    plan: Plan
+    angles: FloatArray
+    """(T, B, J) true joint angles."""
+    configurations: FloatArray
+    """(T, nq) of copy 0."""
+    loads: FloatArray
+    """(T, B, L)."""
+    upright: BoolArray
+    """(T, B)."""
+    first: int
+    """Tick at which the movement itself begins."""
+    pushes: FloatArray
+    """(T, B, 3) N."""
+
+    @property
+    def fell(self) -> BoolArray:
+        """(B,)."""
+        return np.logical_not(self.upright[-1])
+
+
+Reflex = Callable[[int, FloatArray, FloatArray], FloatArray]
+"""Asked at every tick with its number, (B, L) loads and (B, 3) gyro: (B, 2) more offset, rad."""
+REST_S = 1.0
+"""How long it is to stand after the movement."""
+
+
+def perform(
+    body: StandingBody,
+    hung: SimulatedBody,
+    mind: Mind,
+    movement: Movement,
+    balancer: Balancer,
+    *,
+    replay: bool = False,
+    reflex: Reflex | None = None,
+    push: Callable[[float], FloatArray] | None = None,
+) -> Performance:
+    """Do a movement on one's feet: what carries as planned, all else by Eq. (1) as on the stand.
+
+    Args:
+        body: any number of copies.
+        hung: the same robot on its stand: the lines that the mind knows.
+        mind: what babbling on the stand taught.
+        movement: sub-goals, in the senses of the stand.
+        balancer: plans.
+        replay: the peer: sub-goals are simply sent, legs and all.
+        reflex: another peer: something is done about what is felt.
+        push: (B, 3) N at so many seconds of the movement.
+    """
+    schema, known, tick = mind.pilot.schema, balancer.balance, body.tick_s
+    joints, carries = Joints(hung, body), known.carries > 0
+    resting = round(REST_S / tick)
+    senses = np.concatenate([movement.senses, np.repeat(movement.senses[-1:], resting, 0)])
+    imitator = Imitator(mind, replace(movement, senses=senses))
+    felt = body.reset()
+    state = imitator.start(joints.felt(felt))
+    plan = balancer.plan(state.targets[:, :1])
+    if replay:
+        plan = plan._replace(postures=state.targets[:, :1], planned=state.targets[:, :1], offset=0 * plan.offset)
+    state = state._replace(targets=fixed(np.repeat(plan.postures, body.copies, 1)))
+    rng, first = np.random.default_rng(0), state.left - len(senses)
+    rows: list[Sequence[FloatArray | BoolArray]] = []
+    while True:
+        number, force = state.tick, np.zeros((body.copies, 3))
+        if push is not None:
+            force[:] = push((number - first) * tick)
+            body.push(force)
+        loads = body.senses.read(felt, "touch")
+        rows.append((body.joint_angles.copy(), body.configuration[0], loads, ~body.fallen, force))
+        if not state.left:
+            break
+        command = state.targets[number + 1]
+        if replay:
+            state = state._replace(tick=number + 1)
+        else:
+            state, _, info = imitator.step(state, joints.felt(felt), rng)
+            if reflex is not None:
+                command = command + reflex(number, loads, body.senses.read(felt, "gyro")[:, 0]) @ known.synergy
+            command = np.where(carries, command, info.commands)
+        felt = body.act(schema.motors(np.clip(command, *mind.pilot.ends.T)))
+    angles, configurations, loads, upright, pushes = (np.array(part) for part in zip(*rows, strict=True))
+    return Performance(plan, angles, configurations, loads, upright, first, pushes)

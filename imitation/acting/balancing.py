@@ -1,0 +1,101 @@
+"""Staying on one's feet while doing what was seen: Eq. (1) with two terms, asked ahead of time.
+
+    P(a | s, g) = c P(x = 0 once settled | lean, a)^w P(a matches the teacher),     a: offset along a synergy
+
+The second term is what an offset costs: N(a; 0, MATCH^2), for the teacher showed none. The first is the table of
+`babbling.balance`, w how much more it counts. A bow takes the centre of mass past the toes within a few tenths of a
+second, and pressure goes the wrong way first: what was planned is therefore read one tick ahead, and nothing is undone
+after it was felt. Joints that carry the body follow the teacher as far as both soles stay flat.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from babbling.axes import Axis, FloatArray
+from babbling.balance import Balance
+from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
+
+MATCH = 0.1
+"""rad; how far off the teacher's an ankle may be."""
+SMOOTH = 2.5
+"""Ticks: an offset changes no faster than pressure settles."""
+BEGIN = 25
+"""Ticks over which the offset is taken up at first."""
+
+
+class Plan(NamedTuple):
+    """Postures to come to, and why; T ticks of B copies."""
+
+    postures: FloatArray
+    """(T, B, F) with offsets."""
+    planned: FloatArray
+    """(T, B, F) what of the movement can be done on both soles."""
+    lean: FloatArray
+    """(T, B, 2) where pressure would settle without an offset."""
+    offset: FloatArray
+    """(T, B, 2) rad."""
+    expected: FloatArray
+    """(T, B, 2) pressure foretold with it."""
+
+
+class Balancer:
+    """See the module.
+
+    Args:
+        balance: what was learned of standing.
+        weight: w; 0 is a body that does not mind falling.
+        linear: the peer: the least-squares line of the same experience instead of Eq. (1).
+    """
+
+    def __init__(self, balance: Balance, weight: float = 1.0, *, linear: bool = False) -> None:
+        self.balance, self.weight, table = balance, weight, balance.forward_model
+        free = np.exp(-0.5 * (table.action.points / MATCH) ** 2)
+        self.match = free / free.sum(-1, keepdims=True)
+        """(2, A) P(a matches the teacher)."""
+        self.inverse: InverseModel | None = None  # before anything is counted, the wiggles' line
+        if table.transitions:
+            self.inverse = LinearInverse(table) if linear else BayesianInverse(table, prior=self.match)
+
+    def terms(self, lean: FloatArray) -> list[Term]:
+        """What (B, 2) leans should come to."""
+        table = self.balance.forward_model
+        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), np.zeros_like(lean), self.weight)]
+
+    def offsets(self, lean: FloatArray) -> FloatArray:
+        """(T, B, 2) offsets for (T, B, 2) leans, one tick ahead."""
+        if not self.weight:
+            return np.zeros_like(lean)
+        if self.inverse is None:
+            chosen = -lean @ np.linalg.inv(self.gains).T
+        else:
+            rows = lean.reshape(-1, 2)
+            chosen = self.inverse.choose(self.terms(rows), np.random.default_rng(0)).action.reshape(lean.shape)
+        chosen = np.clip(chosen, *_ends(self.balance.forward_model.action))
+        smooth = gaussian_filter1d(chosen, SMOOTH, axis=0, mode="nearest")
+        begin = np.minimum(np.arange(len(lean)) / BEGIN, 1)[:, None, None]
+        return np.asarray(np.concatenate([smooth[1:], smooth[-1:]]) * begin)
+
+    def plan(self, targets: FloatArray, explore: FloatArray | float = 0.0) -> Plan:
+        """For (T, B, F) postures that one would like to come to; `explore` (T, B, 2) is added to the offsets."""
+        planned = self.balance.safe(targets)
+        lean = self.balance.leaning(planned)
+        offset = self.offsets(lean) + explore
+        expected = lean + offset @ self.gains.T
+        if self.inverse is not None:
+            table = self.balance.forward_model
+            context = np.clip(lean, *_ends(table.contexts[0])).reshape(-1, 2)
+            action = np.clip(offset, *_ends(table.action)).reshape(-1, 2)
+            expected = self.inverse.expect((context,), action).reshape(lean.shape)
+        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected)
+
+    @property
+    def gains(self) -> FloatArray:
+        """(2, 2) pressure per rad of offset, as wiggling found it."""
+        known = self.balance
+        return np.asarray(known.pressing @ known.effects @ known.synergy.T)
+
+
+def _ends(axis: Axis) -> tuple[FloatArray, FloatArray]:
+    return axis.low, axis.high
