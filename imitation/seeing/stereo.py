@@ -62,7 +62,7 @@ class Geometry:
         them, ahead, left and up in the head's frame; of no special length."""
         sight = np.reshape(things, (*np.shape(things)[:-1], 2, 2)) / -self.focal_px
         sight = np.concatenate([np.ones((*sight.shape[:-1], 1)), sight], axis=-1)
-        return np.einsum("eij,...ej->...ei", Rotation.from_rotvec(self.stand).as_matrix(), sight)
+        return np.asarray(np.einsum("eij,...ej->...ei", Rotation.from_rotvec(self.stand).as_matrix(), sight))
 
     def project(self, ways: FloatArray) -> FloatArray:
         """Inverse of `ways`."""
