@@ -47,15 +47,16 @@ class Geometry:
         before, after = (Rotation.from_euler("ZY", p[seen][:, pilot.movers]) for p in (posture, posture + change))
         turn = after.inv() * before
 
+        def eyes(x: FloatArray) -> Geometry:
+            return cls(float(x[0] * pilot.retina.half[0]), x[1:7].reshape(2, 3))
+
         def missed(x: FloatArray) -> FloatArray:
-            eyes, shift = cls(x[0] * pilot.retina.half[0], x[1:7].reshape(2, 3)), x[7:].reshape(2, 3)
-            way = eyes.ways(was[seen])
+            way, shift = eyes(x).ways(was[seen]), x[7:].reshape(2, 3)
             way = way / np.linalg.norm(way, axis=-1, keepdims=True) + shift
             moved = np.stack([turn.apply(way[:, eye]) for eye in range(2)], 1) - shift
-            return np.asarray((eyes.project(moved) - now[seen]).ravel())
+            return np.asarray((eyes(x).project(moved) - now[seen]).ravel())
 
-        found = least_squares(missed, np.eye(13)[0]).x
-        return cls(float(found[0] * pilot.retina.half[0]), found[1:7].reshape(2, 3))
+        return eyes(least_squares(missed, np.r_[1.0, np.zeros(12)]).x)
 
     def ways(self, things: FloatArray) -> FloatArray:
         """(..., 4) things (left u, v, right u, v from the middle) to (..., 2, 3): along which line either eye sees

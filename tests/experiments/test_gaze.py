@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -72,6 +73,17 @@ def test_a_teacher_that_looks_at_a_toy_has_it_in_the_middle_of_its_view() -> Non
     start, way = seen.teacher_gaze
     off = np.linalg.norm(np.cross(targets - start, way), axis=-1)
     np.testing.assert_allclose(off, 0.0, atol=1e-6)
+
+
+def test_a_head_that_squints_looks_midway_between_where_its_eyes_look() -> None:
+    model = stage("biclops").compile()
+    squint(model, "biclops", 3)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    left, right = (-data.camera(eye).xmat.reshape(3, 3)[:, 2] for eye in ("left_eye", "right_eye"))
+    [way] = onlook(model, "biclops", np.zeros((1, 2)), None, {}).gaze[1]
+    np.testing.assert_allclose([way @ (left - right), way @ np.cross(left, right)], 0.0, atol=1e-12)
+    assert way @ left > 0.99
 
 
 def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
