@@ -35,11 +35,11 @@ LESSON_PAN, LESSON_TILT = 0.82, (-0.15, 0.72)
 def view(config: Config) -> View:
     """What the imitator can see of the table; only whoever lays it out knows."""
     retina, (fovy_deg, half_baseline) = retina_of(config), camera_facts(config.robot)
-    half_v = np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2)
+    half_v = float(np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2))
     half = np.arctan([half_v * retina.width / retina.height, half_v])
-    if config.squint is not None:  # to the side and up or down an eye may see less by so much
+    if config.squint is not None:  # aside, and up or down, both eyes together may see less by so much
         half -= np.deg2rad([TOE_IN_DEG[1] + ASKEW_DEG, 2 * ASKEW_DEG])
-    return View(*np.tan(half).tolist(), WATCH_TILT, half_baseline)
+    return View(float(np.tan(half[0])), float(np.tan(half[1])), WATCH_TILT, half_baseline)
 
 
 class Watcher(NamedTuple):

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from babbling.axes import FloatArray
 from babbling.looking import LookingMind, Reach, pilot_looking
 from babbling.loop import babble
 from imitation.seeing.stereo import Geometry
@@ -107,6 +108,31 @@ def test_how_the_eyes_stand_is_found_by_looking_about(head: type[SquintingHead])
     np.testing.assert_allclose(np.rad2deg(found.stand), np.rad2deg(head.stand), atol=0.2)
     vergence = np.rad2deg(np.diff((found.stand - head.stand)[:, 2])).item()
     assert abs(vergence) < 0.08  # a fifth of a pixel of the fourteen that a thing a metre off has
+
+
+class Exact(LookingMind):
+    """One who expects of things a metre off just what happens."""
+
+    def expect(self, things: FloatArray, posture: FloatArray, change: FloatArray, *, table: bool = True) -> FloatArray:
+        was, now = (
+            Rotation.from_rotvec(at[:, :1] * (0, 0, 1)) * Rotation.from_rotvec(at[:, 1:] * (0, 1, 0))
+            for at in (posture, posture + change)
+        )
+        seen = []
+        for stand, side, place in zip(STAND, (HALF_BASELINE, -HALF_BASELINE), np.hsplit(things, 2), strict=True):
+            stands, eye = Rotation.from_rotvec(stand), np.array([0.0, side, ABOVE])
+            sight = np.insert(-place, 0, FOCAL, axis=1)
+            still = was.apply(stands.apply(sight / np.linalg.norm(sight, axis=1, keepdims=True)) + eye)
+            x, y, z = stands.inv().apply(now.inv().apply(still) - eye).T
+            seen += [-FOCAL * y / x, -FOCAL * z / x]
+        return np.stack(seen, -1)
+
+
+def test_expectations_that_are_exact_are_explained_exactly() -> None:
+    mind = learned(SquintingHead)
+    found = Geometry.of(Exact(mind.pilot, mind.forward_model, mind.minutes))
+    assert found.focal_px == pytest.approx(FOCAL, rel=1e-6)
+    np.testing.assert_allclose(found.stand, STAND, atol=1e-6)
 
 
 def test_places_are_found_with_eyes_that_squint_and_not_by_taking_them_for_parallel() -> None:
