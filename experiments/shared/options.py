@@ -167,6 +167,8 @@ class EyeOptions(Options):
     """biclops or hoap2."""
     scramble: Annotated[int, within(0)] | None = None
     """Seed of an unknown wiring between mind and neck."""
+    squint: Annotated[int, within(0)] | None = None
+    """Seed of how the eyes stand out of parallel: toed in by 1 to 3 deg each, up to 1 deg nodded and rolled."""
     noise: Annotated[float, within(0, 1, "of full scale")] = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
     width: Annotated[int, within(8, 2048, "pixels")] = 160
