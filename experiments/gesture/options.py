@@ -41,7 +41,7 @@ class Config(BodyOptions, MirrorOptions):
     body_image: ToRead | None = None
     """A body image that `imitate correspondence` left; no mirror then."""
     stand: bool = False
-    """On its own feet: on a floor, free to fall. Balance is learned first (a minute or two), or taken from --balance."""
+    """On its own feet: on a floor, free to fall. Balance is learned first, a minute or two, or taken."""
     balance: ToRead | None = None
     """What `imitate babble --stand` left of balance."""
     balance_weight: Annotated[float, within(0, 100)] = 1.0
