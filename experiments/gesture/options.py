@@ -11,9 +11,9 @@ from experiments.shared.options import (
     MirrorOptions,
     Selection,
     ToRead,
+    a_push,
     must_stand,
     options,
-    push,
     some,
     within,
 )
@@ -48,7 +48,7 @@ class Config(BodyOptions, MirrorOptions):
     """Exponent of "stay balanced" beside "match the teacher" in Eq. (1); 0 leaves it out."""
     speed: Annotated[float, within(0.2, 4)] = 1.0
     """How many times as fast the movement is done on one's feet."""
-    push: Annotated[str | None, push] = None
+    push: Annotated[str | None, a_push] = None
     """Somebody pushes the torso for a tenth of a second: "t,fx,fy,fz", seconds of the movement and newtons (forward,
     left, up)."""
     study: bool = False

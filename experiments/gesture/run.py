@@ -13,7 +13,7 @@ from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
 from experiments.gesture.recording import record
-from experiments.gesture.standing import stand
+from experiments.gesture.standing import stand, take_balance
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import ringing_deg, rmse_deg
@@ -36,6 +36,7 @@ def run(config: Config) -> Result:
     noise_deg = config.seeing_noise_deg
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
+    balance = take_balance(config) if config.balance is not None else None
     seen = watch(config.demonstration, body, config.motion)
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
@@ -55,7 +56,7 @@ def run(config: Config) -> Result:
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
         seen = seen.learning(found, body)
     if config.stand:
-        return stand(config, learned, seen)
+        return stand(config, learned, seen, balance)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])

@@ -65,14 +65,23 @@ class Stands:
         return self.done["ours"]
 
 
-def stand(config: Config, learned: Learned, seen: Seen) -> Result:
-    """Learn to stand, or take what was learned; do the movement on one's feet; judge."""
+def take_balance(config: Config) -> Balance:
+    """What was learned of standing, out of a file, checked against the body.
+
+    Raises:
+        BabblingError: see `load` and `Balance.check`.
+    """
+    assert config.balance is not None
+    balance = load(config.balance, Balance)
+    balance.check(standing_of(config, 1, 0))
+    return balance
+
+
+def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None) -> Result:
+    """Learn to stand, unless that was done before; do the movement on one's feet; judge."""
     hung, started = body_of(config, 1, stream=3), time.perf_counter()
-    body = standing_of(config, 1, 0)
-    if config.balance is not None:
-        balance = load(config.balance, Balance)
-        balance.check(body)
-    else:
+    body, taken = standing_of(config, 1, 0), balance is not None
+    if balance is None:
         with progress(f"{config.robot} learns to stand") as report:
             balance = learn_balance(config, learned.mind, hung, report)
     spent = time.perf_counter() - started
@@ -95,7 +104,7 @@ def stand(config: Config, learned: Learned, seen: Seen) -> Result:
         with progress("twenty individuals") as report:
             metrics |= study(config, learned.mind, hung, balance, seen, report)
     summary = summarise(metrics, stands)
-    files = {} if config.balance is not None else {"balance.nc": lambda path: save(balance, path)}
+    files = {} if taken else {"balance.nc": lambda path: save(balance, path)}
     return Result(metrics, summary, figures(stands, metrics), lambda path: record(path, stands, summary), files)
 
 

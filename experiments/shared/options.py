@@ -6,7 +6,7 @@ What stands here and in every `experiments/NAME/options.py` is light to load: he
 from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import get_annotations
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, dataclass_transform, get_args, get_type_hints
 
@@ -20,7 +20,7 @@ from models.robots import find as find_robot
 from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 10.0
-LONGEST_MINUTES, LARGEST_FILE = 1e5, 1 << 40
+LONGEST_MINUTES, LARGEST_FILE, MOST_PUSH = 1e5, 1 << 40, 500.0
 MIRROR_MINUTES = 6.0
 """Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""
 
@@ -53,14 +53,16 @@ def file(option: str, path: Path | str) -> None:
     checked(path, LARGEST_FILE)
 
 
-def push(option: str, told: str) -> None:
-    """ "t,fx,fy,fz", finite numbers, t not below 0."""
+def a_push(option: str, told: str) -> None:
+    """ "t,fx,fy,fz": t not below 0, no force beyond all bounds."""
     try:
-        numbers = [float(word) for word in told.split(",")]
+        when, *force = map(float, told.split(","))
     except ValueError:
-        numbers = []
-    if len(numbers) != 4 or not all(map(isfinite, numbers)) or numbers[0] < 0:
-        raise ExperimentError(f'{option} {told[:60]!r}: four numbers are needed, "t,fx,fy,fz": seconds and newtons')
+        when, force = -1.0, []
+    if len(force) != 3 or not 0 <= when < inf or not all(-MOST_PUSH <= one <= MOST_PUSH for one in force):
+        raise ExperimentError(
+            f'{option} {told[:60]!r}: it must be "t,fx,fy,fz", seconds from 0 on and newtons, {MOST_PUSH:g} at most'
+        )
 
 
 def must_stand(robot: str) -> None:

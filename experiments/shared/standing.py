@@ -187,8 +187,7 @@ class Performance:
 
 
 def bounded(belief: Belief, mind: Mind) -> Belief:
-    """A bias no larger than babbling on the stand has shown: what is more is something in the way, and no reason to push
-    ever harder."""
+    """A bias no larger than babbling on the stand has shown: more is something in the way, no reason to push harder."""
     most = USUAL * np.sqrt(mind.pilot.dynamics.bias_variance)
     mean = belief.mean.copy()
     mean[..., 2] = np.clip(mean[..., 2], -most, most)
