@@ -180,7 +180,7 @@ class Performance:
     @property
     def fell(self) -> BoolArray:
         """(B,)."""
-        return np.logical_not(self.upright[-1])
+        return np.asarray(~self.upright[-1])
 
 
 Reflex = Callable[[int, FloatArray, FloatArray], FloatArray]
