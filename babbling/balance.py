@@ -106,7 +106,7 @@ def find_pressure(loads: FloatArray, organ: FloatArray) -> tuple[FloatArray, lis
     split = shares(loads)
     felt, rest = ((v - v.mean(0)).reshape(-1, v.shape[-1]) for v in (organ, split))  # everybody about its own mean
     _, size, axes = np.linalg.svd(rest, full_matrices=False)
-    if size[1] < UNEVEN * size[0]:
+    if size[1] <= UNEVEN * size[0]:
         raise BabblingError("rocked, it feels nothing of it in its soles: is it standing on them?")
     moved = rest @ axes[:2].T
     told = np.linalg.lstsq(moved, felt, rcond=None)[0]  # (2, O)
