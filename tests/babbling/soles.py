@@ -86,9 +86,10 @@ def stand(
     offsets: float = 0.15,
     copies: int = 12,
     gain: float = 1.0,
+    legs: float = 0.12,
 ) -> Stood:
     """Everyone moves about and explores offsets; beyond the soles' edges nothing more is felt."""
-    beside = moves(np.where(np.arange(COUNT) < 8, 0.12, 0.8), copies, 8.0, rng, COUNT)
+    beside = moves(np.where(np.arange(COUNT) < 8, legs, 0.8), copies, 8.0, rng, COUNT)
     beside[:, ::2, 1:8] *= 0.3
     offset = moves(offsets, copies, 8.0, rng, 2)
     planned, told = HOME + beside, HOME + beside + offset @ synergy

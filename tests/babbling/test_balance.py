@@ -136,7 +136,7 @@ def test_following_keeps_what_pairs_can_do_and_leaves_what_strains(known: Balanc
     for i, j, sign in PAIRS:
         against = np.zeros(COUNT)
         against[[i, j]] = 0.2, -0.2 * sign
-        np.testing.assert_allclose(known.safe(HOME + against), HOME, atol=0.005)
+        np.testing.assert_allclose(known.safe(HOME + against), HOME, atol=1e-9)
     for ankles in (0.2 * (np.arange(COUNT) < 2), 0.2 * (np.arange(COUNT) == 4)):
         beside = known.safe(HOME + ankles) - HOME
         assert np.abs(PRESSURE @ beside).max() < 0.05 < 0.2 * np.abs(PRESSURE @ ankles).max()
@@ -183,6 +183,12 @@ def test_a_product_that_is_not_there_is_not_found(known: Balance, seed: int) -> 
     assert np.abs(weights[:, 1 + COUNT :]).max() < 0.05 * soles.MUCH
 
 
+def test_what_did_not_move_is_as_wiggling_found_it(known: Balance) -> None:
+    rng = np.random.default_rng(7)
+    weights, _ = settled(known, [soles.stand(rng, known.synergy, legs=1e-9)], TICK)
+    np.testing.assert_allclose(weights[:, 1:9], (known.pressing @ known.effects)[:, :8], atol=1e-4)
+
+
 def test_the_table_foretells_where_pressure_settles(found: Balance) -> None:
     """The gain is that of moving about, four fifths of what wiggling said, and without the wrong way first."""
     gain = 0.8 * np.diag(PRESSURE @ found.synergy.T)
@@ -191,6 +197,8 @@ def test_the_table_foretells_where_pressure_settles(found: Balance) -> None:
     wanted = lean + gain * offset
     there = np.abs(wanted) < 0.7
     told = found.forward_model.expected((lean,), offset)
+    spread = np.sqrt(found.forward_model.linear().covariance[:, 0, 0])
+    assert (spread < 0.04).all(), "little more than the world's own 0.02: what moving adds is not in the table"
     assert np.abs(told - wanted)[there].max() < 0.07 and np.abs(told - wanted)[there].mean() < 0.02
 
 
