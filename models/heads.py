@@ -20,6 +20,9 @@ from models.robots import ROBOTS, head_of
 CARD: Final = "card"
 """A grey card that can be held before a face: a mocap body, parked where nobody sees it."""
 PARKED: Final = (0.0, 0.0, -5.0)
+TOE_IN_DEG: Final = (1.0, 3.0)
+ASKEW_DEG: Final = 1.0
+"""How far each eye of a head that squints is turned towards the other; how far it nods and rolls at most."""
 
 
 def stage(robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Sequence[Ball] = ()) -> mujoco.MjSpec:
@@ -61,6 +64,15 @@ def camera_facts(robot: str) -> tuple[float, float]:
 def clear_away(model: mujoco.MjModel, thing: str) -> None:
     """Make a piece of scenery invisible: a geom of alpha 0 is not there for any eye."""
     model.geom(thing).rgba[3] = 0.0
+
+
+def squint(model: mujoco.MjModel, robot: str, seed: int) -> None:
+    """Turn both eyes out of parallel, each about its own middle by angles of its own: `TOE_IN_DEG`, `ASKEW_DEG`."""
+    rng = np.random.default_rng([seed, 0x5C1])
+    for eye, inwards in zip(head_of(robot).eyes, (-1, 1), strict=True):
+        nod, roll = rng.uniform(-ASKEW_DEG, ASKEW_DEG, 2)
+        turn = np.deg2rad([nod, inwards * rng.uniform(*TOE_IN_DEG), roll])  # of a camera: x right, y up, z back
+        mujoco.mju_quatIntegrate(model.cam_quat[camera_id(model, eye)], turn, 1.0)
 
 
 def _surround(scene: mujoco.MjSpec, origin: np.ndarray) -> None:

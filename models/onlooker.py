@@ -20,7 +20,7 @@ class Onlooked(NamedTuple):
 
     parts: list[Part]
     gaze: tuple[FloatArray, FloatArray]
-    """(T, 3) middle between our eyes and (T, 3) where they look."""
+    """(T, 3) middle between our eyes and (T, 3) where they look, on average."""
     teacher_gaze: tuple[FloatArray, FloatArray] | None
     """The same of the teacher's."""
 
@@ -55,5 +55,5 @@ def _gazes(model: mujoco.MjModel, qpos: FloatArray, cameras: tuple[str, str]) ->
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
         starts[t] = data.cam_xpos[ids].mean(0)
-        ways[t] = -data.cam_xmat[ids[0]].reshape(3, 3)[:, 2]
+        ways[t] = -data.cam_xmat[ids].reshape(2, 3, 3)[:, :, 2].mean(0)
     return starts, ways

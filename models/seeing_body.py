@@ -20,6 +20,7 @@ from models.biclops.profile import profile
 from models.biclops.room import TEACHER
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.heads import squint
 from models.loading import compiled
 from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
@@ -63,6 +64,7 @@ class SeeingBody:
         copies, tick_s, seed: as in `SimulatedBody`; `seed` is that of pixel noise.
         rest: pan and tilt to rest at, rad; None is the robot's own rest.
         scramble: seed of an unknown wiring of pan and tilt, or None for straight; eyes are never rewired.
+        squinting: seed of how the eyes stand out of parallel, or None for parallel.
 
     Raises:
         BodyError: a scene without the robot's eyes, or a tick that is no whole number of 20 ms.
@@ -81,11 +83,14 @@ class SeeingBody:
         seed: int = 0,
         rest: tuple[float, float] | None = None,
         scramble: int | None = None,
+        squinting: int | None = None,
     ) -> None:
         self.facts = head_of(robot)
         self.retina = retina or RetinaOptions()
         self.robot = robot
         self.tick_s, self._perceive = tick_s, perceive
+        if squinting is not None:
+            squint(model, robot, squinting)
         self._inner = round(tick_s / INNER_S)
         if self._inner < 1 or abs(self._inner * INNER_S - tick_s) > 1e-9:
             raise BodyError(f"a tick of {tick_s:g} s: it must be a whole number of {INNER_S:g} s")
@@ -109,7 +114,7 @@ class SeeingBody:
         order = np.concatenate([self.wiring.sense, np.arange(2, 2 + seen)])
         self.senses = Senses(channels[: 2 + perceive.areas], order)
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
-        self.fingerprint = head_fingerprint(robot, scramble)
+        self.fingerprint = head_fingerprint(robot, scramble) + ("" if squinting is None else f" squint {squinting}")
         self.seed, self.time = seed, 0.0
         self.teacher_path: Callable[[float], FloatArray] | None = None
         """Seconds since `reset` to (B, 2) the teacher's pan and tilt, rad; None leaves it where it is."""

@@ -110,6 +110,15 @@ class StandingBody(SimulatedBody):
         """(B, nq) of the model now, its place and turn included: to draw it."""
         return np.array(self.batch.qpos)
 
+    def touching(self, configurations: FloatArray) -> BoolArray:
+        """(T,) whether parts of it touch each other in (T, nq) configurations; for those who judge."""
+        data, found = mujoco.MjData(self.model), np.zeros(len(configurations), bool)
+        for number, one in enumerate(configurations):
+            data.qpos[:] = one
+            mujoco.mj_fwdPosition(self.model, data)
+            found[number] = (self.model.geom_bodyid[data.contact.geom] > 0).all(-1).any()
+        return found
+
     def _awake(self) -> IntArray:
         """Who lies on the floor stays there."""
         return np.flatnonzero(~self.fallen)

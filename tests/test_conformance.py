@@ -178,6 +178,7 @@ BODIES: dict[str, Callable[[], Body]] = {
     **{f"head of {name}": partial(watching_body, name, copies=2) for name, one in ROBOTS.items() if one.head},
     "among toys": partial(nursery, EYES, 0, copies=2),
     "wires crossed": partial(nursery, replace(EYES, scramble=1), 0, copies=2),
+    "squinting": partial(nursery, replace(EYES, squint=1), 0, copies=2),
     "before a face": partial(open_eyes, EYES, FIND_FACE, copies=2, tick_s=0.2, seed=0, teacher=True, distance=0.5),
     "maze": partial(MazeBody, parse_maze(HALL), copies=2),
     "creature": partial(Creature, copies=2),

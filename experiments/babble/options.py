@@ -21,6 +21,9 @@ class Config(BodyOptions):
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
 
+    stand: bool = False
+    """Afterwards, also learn to stand on one's own feet; FILE.balance.nc is left beside FILE.nc."""
+
     @property
     def sees(self) -> bool:
         """Whether it is a head that babbles with its eyes."""

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from babbling.balance import Balance
 from babbling.files import is_kind, save
 from babbling.mind import Mind
 from experiments.babble.options import Config
@@ -11,7 +12,9 @@ from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, writing
 from experiments.shared.minds import body_of, learn_mind, people_say
+from experiments.shared.options import must_stand
 from experiments.shared.progress import progress
+from experiments.shared.standing import learn_balance, standing_of
 from experiments.shared.tables import show, table
 
 
@@ -24,11 +27,15 @@ def command(config: Config) -> None:
         ExperimentError: the file cannot be written, or an interrupted babble of other options is in the way.
     """
     config.check()
+    if config.stand:
+        must_stand(config.robot)
     if config.sees:
         with_eyes(config)
         return
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
     check_file(out)
+    if config.stand:
+        check_file(balance_file(out), Balance)
     checkpoint = out.with_name(out.name + ".partial")
     with progress(f"{config.robot} babbles") as report:
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
@@ -47,11 +54,23 @@ def command(config: Config) -> None:
         ("held-out error, one tick ahead", f"{metrics['learning_curve_table_deg'][-1]:.4f} deg"),
         ("the same, least-squares line", f"{metrics['learning_curve_linear_deg'][-1]:.4f} deg"),
     ]
+    beside = [out.with_suffix(".png"), out.with_suffix(".json")]
+    if config.stand:
+        beside.append(balance_file(out))
+        with progress(f"{config.robot} learns to stand") as report:
+            balance = learn_balance(config, learned.mind, body_of(config, 1), report)
+        save(balance, beside[-1], people_say(standing_of(config, 1, 0)), **told, scramble=scramble)
+        rows.append(("learning to stand", f"{balance.minutes.sum():.1f} body-minutes, {balance.falls.sum():g} falls"))
     show(table(rows))
-    print(f"\nwritten to {out} (and {out.with_suffix('.png').name}, {out.with_suffix('.json').name} beside it)")
+    print(f"\nwritten to {out} (and {', '.join(file.name for file in beside)} beside it)")
 
 
-def check_file(out: Path) -> None:
+def balance_file(out: Path) -> Path:
+    """Where balance is kept, beside the mind."""
+    return out.with_suffix(".balance.nc")
+
+
+def check_file(out: Path, holds: type = Mind) -> None:
     """Refuse early what could not be written, or should not be overwritten.
 
     Raises:
@@ -63,9 +82,13 @@ def check_file(out: Path) -> None:
         if out.suffix != ".nc":
             raise ExperimentError(f"--out {out}: a forward model's file ends in .nc; name it {out.stem or 'robot'}.nc")
         if out.exists():
-            if not is_kind(out, Mind):
-                raise ExperimentError(f"{out}: this is no forward model and would be lost; choose another name")
-        elif taken := [p.name for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]:
+            if not is_kind(out, holds):
+                raise ExperimentError(
+                    f"{out}: this is no {holds.__name__.lower()}'s file and would be lost; choose another name"
+                )
+        elif holds is Mind and (
+            taken := [p.name for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]
+        ):
             raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
 
 

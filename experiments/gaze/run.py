@@ -151,6 +151,7 @@ def _metrics(config: Config, found: Found) -> dict[str, Any]:
         "gaze_calibration_error": found.calibration_error,
         "gaze_calibration_bins": found.calibration,
         "gaze_learned_origin": gaze.origin,
+        "gaze_learned_eyes_deg": np.rad2deg(gaze.geometry.stand),
         "gaze_learned_spread_deg": np.rad2deg(np.sqrt(np.diag(gaze.covariance))),
         "gaze_blindfold": found.covered,
         **(found.crowds.numbers() if found.crowds else {}),

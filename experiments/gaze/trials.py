@@ -11,13 +11,14 @@ from experiments.gaze.options import Config
 from experiments.shared.caregiver import EYES, FACE, TURN_S, face_numbers, mirrored
 from experiments.shared.eyes import open_eyes, retina_of
 from imitation.gaze.fixation import Fixation
-from imitation.gaze.reader import GazeReader, Geometry
+from imitation.gaze.reader import GazeReader
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
 from imitation.seeing.pose import Appearance, frame_pose
+from imitation.seeing.stereo import Geometry
 from models.biclops.gaze import BALL_RADIUS, View, lay_out, look_at
 from models.biclops.room import Ball, wear_cloth
-from models.heads import CARD, PARKED, camera_facts
+from models.heads import ASKEW_DEG, CARD, PARKED, TOE_IN_DEG, camera_facts
 from models.seeing_body import SeeingBody, still
 
 TOYS = ("orange", "lime", "cyan", "violet")
@@ -35,7 +36,10 @@ def view(config: Config) -> View:
     """What the imitator can see of the table; only whoever lays it out knows."""
     retina, (fovy_deg, half_baseline) = retina_of(config), camera_facts(config.robot)
     half_v = float(np.tan(np.deg2rad(retina.fovy_deg or fovy_deg) / 2))
-    return View(half_v * retina.width / retina.height, half_v, WATCH_TILT, half_baseline)
+    half = np.arctan([half_v * retina.width / retina.height, half_v])
+    if config.squint is not None:  # aside, and up or down, both eyes together may see less by so much
+        half -= np.deg2rad([TOE_IN_DEG[1] + ASKEW_DEG, 2 * ASKEW_DEG])
+    return View(float(np.tan(half[0])), float(np.tan(half[1])), WATCH_TILT, half_baseline)
 
 
 class Watcher(NamedTuple):
@@ -177,16 +181,6 @@ def _look(
     return np.stack([away.argmin(1).astype(float), away.min(1)], axis=-1)
 
 
-def geometry(mind: LookingMind) -> Geometry:
-    """Pixels per radian of turning at the image's middle: what oculomotor babbling says of one's own eyes."""
-    step = 0.02
-    middle = np.zeros((2, 4))
-    change = np.zeros((2, 2))
-    change[:, mind.pilot.movers[1]] = step, -step
-    moved = mind.expect(middle, np.zeros((2, 2)), change)
-    return Geometry(float(abs(moved[0, 1] - moved[1, 1]) / (2 * step)))
-
-
 def located(trials: Trials, where: Geometry) -> FloatArray:
     """(N, G, 3) places of the toys in units of the distance between the eyes; NaN unseen."""
     return where.locate(trials.things, trials.tilt[:, None])
@@ -207,7 +201,7 @@ def lesson_for_gaze(
     body.teacher_path = still(np.zeros((COPIES, 2)))
     senses = body.reset()
     tilt = tilt_of(mind, senses)
-    where = geometry(mind)
+    where = Geometry.of(mind)
     places = where.locate(toys_seen(body, senses, mind, FACE)[0], tilt[:, None])
     head = np.nanmedian(places.reshape(-1, 3), axis=0)
     low, high = np.array([-LESSON_PAN, LESSON_TILT[0]]), np.array([LESSON_PAN, LESSON_TILT[1]])

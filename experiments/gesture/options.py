@@ -2,6 +2,7 @@
 
 from typing import Annotated, Literal
 
+from experiments.errors import ExperimentError
 from experiments.shared.options import (
     BABBLING_MINUTES,
     BodyOptions,
@@ -10,8 +11,11 @@ from experiments.shared.options import (
     MirrorOptions,
     Selection,
     ToRead,
+    must_stand,
     options,
+    push,
     some,
+    within,
 )
 
 
@@ -36,3 +40,35 @@ class Config(BodyOptions, MirrorOptions):
     """A forward model that `imitate babble` left; no babbling then."""
     body_image: ToRead | None = None
     """A body image that `imitate correspondence` left; no mirror then."""
+    stand: bool = False
+    """On its own feet: on a floor, free to fall. Balance is learned first, a minute or two, or taken."""
+    balance: ToRead | None = None
+    """What `imitate babble --stand` left of balance."""
+    balance_weight: Annotated[float, within(0, 100)] = 1.0
+    """Exponent of "stay balanced" beside "match the teacher" in Eq. (1); 0 leaves it out."""
+    speed: Annotated[float, within(0.2, 4)] = 1.0
+    """How many times as fast the movement is done on one's feet."""
+    push: Annotated[str | None, push] = None
+    """Somebody pushes the torso for a tenth of a second: "t,fx,fy,fz", seconds of the movement and newtons (forward,
+    left, up)."""
+    study: bool = False
+    """With --stand: twenty individuals, faster, pushed, on slopes, laden, beside other ways to stand (ten minutes and
+    more)."""
+    clips: tuple[Demonstration, ...] = ()
+    """Demonstrations of the study; none are the built-in ones."""
+
+    def check(self) -> None:
+        """See `Options`; and what goes together."""
+        super().check()
+        given = {
+            "balance": self.balance is not None,
+            "push": self.push is not None,
+            "study": self.study,
+            "speed": self.speed != 1,
+            "clips": bool(self.clips),
+        }
+        for name, there in given.items():
+            if there and not self.stand:
+                raise ExperimentError(f"--{name}: this is for a body on its own feet; add --stand")
+        if self.stand:
+            must_stand(self.robot)

@@ -13,6 +13,7 @@ from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
 from experiments.gesture.options import Config
 from experiments.gesture.recording import record
+from experiments.gesture.standing import stand
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.judging import ringing_deg, rmse_deg
@@ -53,6 +54,8 @@ def run(config: Config) -> Result:
         pupil = Pupil(body, mind.pilot, image, noise_deg, config.parts == "named")
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
         seen = seen.learning(found, body)
+    if config.stand:
+        return stand(config, learned, seen)
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])

@@ -59,7 +59,7 @@ def open_eyes(
     model = stage(eyes.robot, teacher=teacher, distance=distance, balls=balls).compile()
     return SeeingBody(
         model, eyes.robot, perceive, retina=retina_of(eyes), renderer=eyes.renderer, copies=copies, tick_s=tick_s,
-        seed=seed, rest=rest, scramble=eyes.scramble,
+        seed=seed, rest=rest, scramble=eyes.scramble, squinting=eyes.squint,
     )  # fmt: skip
 
 

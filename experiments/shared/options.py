@@ -6,7 +6,7 @@ What stands here and in every `experiments/NAME/options.py` is light to load: he
 from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import get_annotations
-from math import inf
+from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, dataclass_transform, get_args, get_type_hints
 
@@ -15,8 +15,8 @@ import tyro
 from experiments.errors import ExperimentError
 from imitation.inference.selection import selection_rule
 from models.files import checked
+from models.robots import ROBOTS, head_of
 from models.robots import find as find_robot
-from models.robots import head_of
 from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 10.0
@@ -51,6 +51,27 @@ def some(option: str, value: int | tuple[str, ...]) -> None:
 def file(option: str, path: Path | str) -> None:
     """A file that can be read."""
     checked(path, LARGEST_FILE)
+
+
+def push(option: str, told: str) -> None:
+    """ "t,fx,fy,fz", finite numbers, t not below 0."""
+    try:
+        numbers = [float(word) for word in told.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 4 or not all(map(isfinite, numbers)) or numbers[0] < 0:
+        raise ExperimentError(f'{option} {told[:60]!r}: four numbers are needed, "t,fx,fy,fz": seconds and newtons')
+
+
+def must_stand(robot: str) -> None:
+    """Refuse a robot that cannot stand on its own feet.
+
+    Raises:
+        ExperimentError: see above; those that can are listed.
+    """
+    if robot not in ROBOTS or ROBOTS[robot].stance is None:
+        able = ", ".join(name for name, one in ROBOTS.items() if one.stance)
+        raise ExperimentError(f"--stand --robot {robot}: it has no soles or balance organ; these have: {able}")
 
 
 def known(find: Callable[[str], object]) -> Rule:
@@ -146,6 +167,8 @@ class EyeOptions(Options):
     """biclops or hoap2."""
     scramble: Annotated[int, within(0)] | None = None
     """Seed of an unknown wiring between mind and neck."""
+    squint: Annotated[int, within(0)] | None = None
+    """Seed of how the eyes stand out of parallel: toed in by 1 to 3 deg each, up to 1 deg nodded and rolled."""
     noise: Annotated[float, within(0, 1, "of full scale")] = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
     width: Annotated[int, within(8, 2048, "pixels")] = 160

@@ -9,6 +9,7 @@ import numpy as np
 from babbling.axes import BoolArray, FloatArray, fixed
 from babbling.balance import Balance, Stood, find_pressure, settled, wiggled
 from babbling.exploration import MotorRange, smooth
+from babbling.kalman import Belief
 from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
 from imitation.acting.balancing import Balancer, Plan
@@ -34,6 +35,8 @@ QUIET = 0.3
 """Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
 BEFORE_S = 0.3
 """What comes so shortly before a fall is part of it."""
+USUAL = 3.0
+"""Standard deviations of a joint's bias on the stand."""
 LEARNERS = 100_000
 """Individuals from here on learn balance; those judged are others."""
 
@@ -183,6 +186,15 @@ class Performance:
         return np.asarray(~self.upright[-1])
 
 
+def bounded(belief: Belief, mind: Mind) -> Belief:
+    """A bias no larger than babbling on the stand has shown: what is more is something in the way, and no reason to
+    push ever harder."""
+    most = USUAL * np.sqrt(mind.pilot.dynamics.bias_variance)
+    mean = belief.mean.copy()
+    mean[..., 2] = np.clip(mean[..., 2], -most, most)
+    return Belief(mean, belief.covariance)
+
+
 Reflex = Callable[[int, FloatArray, FloatArray], FloatArray]
 """Asked at every tick with its number, (B, L) loads and (B, 3) gyro: (B, 2) more offset, rad."""
 REST_S = 1.0
@@ -239,6 +251,7 @@ def perform(
             state = state._replace(tick=number + 1)
         else:
             state, _, info = imitator.step(state, joints.felt(felt), rng)
+            state = state._replace(belief=bounded(state.belief, mind))
             if reflex is not None:
                 command = command + reflex(number, loads, body.senses.read(felt, "gyro")[:, 0]) @ known.synergy
             command = np.where(carries, command, info.commands)

@@ -22,6 +22,7 @@ from babbling.forward_model import ForwardModel
 from imitation.errors import ImitationError
 from imitation.gaze.fixation import Fixation
 from imitation.inference.bayes import Posterior, goal_posterior
+from imitation.seeing.stereo import Geometry
 
 COVERS = ("eyes free", "eyes covered")
 SEES = ("sees", "does not see")
@@ -31,33 +32,6 @@ uniform over a radian and a half of pan and a radian of tilt, 1/rad^2."""
 LEAST_SHOWN = 12
 MOST_FITTED = 60
 """Shown goals needed before anything can be learned from them."""
-
-
-@dataclass(frozen=True)
-class Geometry:
-    """How positions in two eyes become places; learned (focal length) or a unit (the distance between the eyes)."""
-
-    focal_px: float
-    """Pixels per radian of one's own turning, at the middle of the image."""
-
-    def locate(self, things: FloatArray, tilt: float | FloatArray) -> FloatArray:
-        """(..., 4) things (left u, v, right u, v from the middle) to (..., 3) places: ahead, left, up of the middle
-        between the eyes, levelled by the felt tilt (down is positive), in units of the distance between the eyes.
-        """
-        depth = self.focal_px / (things[..., 0] - things[..., 2])
-        left = -depth * (things[..., 0] + things[..., 2]) / 2 / self.focal_px
-        up = -depth * (things[..., 1] + things[..., 3]) / 2 / self.focal_px
-        c, s = np.cos(tilt), np.sin(tilt)
-        return np.stack([depth * c + up * s, left, up * c - depth * s], axis=-1)
-
-    def appear(self, places: FloatArray, tilt: float) -> FloatArray:
-        """Inverse of `locate`: (..., 3) places to (..., 4) things."""
-        c, s = np.cos(tilt), np.sin(tilt)
-        depth = places[..., 0] * c - places[..., 2] * s
-        up = places[..., 0] * s + places[..., 2] * c
-        v = -self.focal_px * up / depth
-        left, right = (-self.focal_px * (places[..., 1] + side) / depth for side in (-0.5, 0.5))
-        return np.stack([left, v, right, v], axis=-1)
 
 
 def facing(places: FloatArray, other: FloatArray) -> FloatArray:

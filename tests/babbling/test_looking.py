@@ -10,7 +10,8 @@ from babbling.files import load, save
 from babbling.looking import LookingMind, Reach, copy_terms, pilot_looking, saccades
 from babbling.loop import babble, explore, flat
 from imitation.gaze.fixation import Fixation
-from imitation.gaze.reader import GazeReader, Geometry
+from imitation.gaze.reader import GazeReader
+from imitation.seeing.stereo import Geometry
 
 FOCAL, HALF = 138.6, np.array([79.5, 59.5])
 REACH = Reach(np.array([-0.6, -0.4]), np.array([0.6, 0.4]), np.array([0.5, 0.4]))

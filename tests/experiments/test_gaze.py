@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from scipy.stats import binom, multivariate_normal
 
 from babbling.errors import BabblingError
@@ -12,14 +14,18 @@ from experiments.gaze import crowds
 from experiments.gaze.covered import own_experience
 from experiments.gaze.crowds import BEAD, HEAD_SHARE, Simple, jerky, with_eyes
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import Trials, Watcher, straight, tilt_of, view
+from experiments.gaze.trials import WATCH_TILT, Trials, Watcher, straight, tilt_of, view
+from experiments.shared.eyes import retina_of
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
+from imitation.seeing.stereo import Geometry
 from models.biclops.gaze import TABLE_X, TABLE_Y, lay_out, look_at, possible, separation
 from models.errors import BodyError
-from models.heads import stage
+from models.heads import camera_facts, squint, stage
 from models.onlooker import onlook
+from models.renderers import open_eye
+from models.robots import EYE_HEIGHT
 from tests.babbling.test_looking import crossed_mind
 from tests.imitation.test_reader import HEAD, reader
 
@@ -69,6 +75,17 @@ def test_a_teacher_that_looks_at_a_toy_has_it_in_the_middle_of_its_view() -> Non
     np.testing.assert_allclose(off, 0.0, atol=1e-6)
 
 
+def test_a_head_that_squints_looks_midway_between_where_its_eyes_look() -> None:
+    model = stage("biclops").compile()
+    squint(model, "biclops", 3)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    left, right = (-data.camera(eye).xmat.reshape(3, 3)[:, 2] for eye in ("left_eye", "right_eye"))
+    [way] = onlook(model, "biclops", np.zeros((1, 2)), None, {}).gaze[1]
+    np.testing.assert_allclose([way @ (left - right), way @ np.cross(left, right)], 0.0, atol=1e-12)
+    assert way @ left > 0.99
+
+
 def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
     seen = view(Config())
     rng = np.random.default_rng(0)
@@ -78,6 +95,26 @@ def test_toys_lie_as_far_apart_as_asked_and_in_view() -> None:
     pair = lay_out(rng, 2, 0.95, seen, (5.7, 6.3))
     assert np.rad2deg(separation(pair[0], pair[1], 0.95)) == pytest.approx(6.0, abs=0.3)
     assert not possible(np.array([[0.2, 0.6, 0.022]]), 0.95, seen, (0.0, 180.0))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_eyes_are_said_to_see_they_see_though_they_squint(seed: int) -> None:
+    """By any arrangement: places at the rim of what both eyes are said to see stand on both images."""
+    rng, config = np.random.default_rng(seed), Config(squint=seed)
+    model, (_, half_baseline) = stage("biclops").compile(), camera_facts("biclops")
+    true = [model.camera(eye).quat.copy() for eye in ("left_eye", "right_eye")]
+    squint(model, "biclops", seed)
+    now = [model.camera(eye).quat for eye in ("left_eye", "right_eye")]
+    axes = Rotation.from_quat(true, scalar_first=True)
+    turned = (Rotation.from_quat(now, scalar_first=True) * axes.inv()).as_rotvec()
+    retina = retina_of(config)
+    focal = open_eye(model, "left_eye", retina).focal_px
+    places = rng.uniform((0.3, -0.5, -0.3), (0.9, 0.5, 0.5), (4000, 3))
+    shown = places[view(config).shows(places)]
+    assert len(shown) > 200
+    level = (shown - (0.0, 0.0, EYE_HEIGHT)) / (2 * half_baseline)
+    things = Geometry(focal, turned).appear(level, WATCH_TILT)
+    assert (np.abs(things) < np.tile([retina.width / 2, retina.height / 2], 2)).all()
 
 
 @pytest.mark.parametrize("spacing", [1.0, 5.0])

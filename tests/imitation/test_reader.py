@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imitation.errors import ImitationError
-from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Geometry, Preferences, facing
+from imitation.gaze.reader import ANYWHERE, LAPSE, EyeLore, GazeReader, Preferences, facing
+from imitation.seeing.stereo import Geometry
 
 
 class LikeMe(GazeReader):
@@ -26,30 +27,6 @@ HEAD = np.array([10.0, 0.0, 0.0])
 
 def reader() -> LikeMe:
     return LikeMe((None, None), Geometry(138.6), 0.1, covariance=np.diag([0.05, 0.05]) ** 2)  # type: ignore[arg-type]
-
-
-numbers = st.floats(-3.0, 3.0)
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.tuples(st.floats(3.0, 20.0), numbers, numbers), st.floats(-0.5, 0.5), st.floats(50.0, 500.0))
-def test_locating_and_appearing_undo_each_other(place: tuple[float, ...], tilt: float, focal: float) -> None:
-    geometry, places = Geometry(focal), np.array([place, (6.0, 0.0, 0.0)])
-    things = geometry.appear(places, tilt)
-    np.testing.assert_allclose(geometry.locate(things, tilt), places, atol=1e-8)
-    np.testing.assert_allclose(geometry.appear(geometry.locate(things, tilt), tilt), things, atol=1e-8 * focal)
-    np.testing.assert_array_equal(things[:, 1], things[:, 3])  # level eyes
-    assert (things[:, 0] > things[:, 2]).all()
-
-
-def test_places_appear_as_two_pinholes_see_them() -> None:
-    geometry = Geometry(138.6)
-    ahead = geometry.appear(np.array([5.0, 0.0, 0.0]), 0.0)
-    np.testing.assert_allclose(ahead, [138.6 * 0.5 / 5.0, 0.0, -138.6 * 0.5 / 5.0, 0.0], atol=1e-12)
-    left_up = geometry.appear(np.array([5.0, 1.0, 0.5]), 0.0)
-    assert left_up[0] < 0 and left_up[1] < 0  # u grows to the right, v downwards
-    nod = geometry.appear(np.array([5.0 * np.cos(0.2), 0.0, -5.0 * np.sin(0.2)]), 0.2)
-    np.testing.assert_allclose(nod, ahead, atol=1e-12)  # what lies where the neck is tilted to stands in the middle
 
 
 def test_facing_is_an_involution_and_the_other_sees_our_left_on_its_right() -> None:

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from imitation.errors import ImitationError
-from imitation.gaze.reader import Geometry
 from imitation.seeing.features import COLOURS, Feature, find_features
+from imitation.seeing.stereo import Geometry
 from models.biclops import facts
 from models.biclops.room import FACE_PREFIX, FEATURES, TEACHER, Ball, wear_cloth
 from models.heads import stage

@@ -3,9 +3,10 @@
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from models.errors import BodyError
-from models.heads import camera_facts, stage
+from models.heads import ASKEW_DEG, TOE_IN_DEG, camera_facts, squint, stage
 from models.loading import load_body
 from models.robots import ROBOTS, head_of, limbs_of
 
@@ -36,6 +37,29 @@ def test_a_head_can_do_what_its_entry_says(name: str) -> None:
     assert theirs[0] - head.table[0] == pytest.approx(0.9, abs=0.05)
     fovy_deg, half_baseline = camera_facts(name)
     assert 20 < fovy_deg < 120 and 0.01 < half_baseline < 0.1
+
+
+@pytest.mark.parametrize("name", SEEING)
+def test_eyes_that_squint_are_toed_in_about_their_own_middles(name: str) -> None:
+    def look(seed: int | None) -> tuple[np.ndarray, np.ndarray]:
+        model = stage(name).compile()
+        if seed is not None:
+            squint(model, name, seed)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        eyes = [data.camera(eye) for eye in head_of(name).eyes]
+        return np.array([eye.xpos for eye in eyes]), np.array([eye.xmat.reshape(3, 3) for eye in eyes])
+
+    (middles, true), seen = look(None), [look(seed) for seed in range(10)]
+    for places, now in seen:
+        np.testing.assert_allclose(places, middles, atol=1e-12)
+        nod, inwards, roll = np.rad2deg(Rotation.from_matrix(true.swapaxes(1, 2) @ now).as_rotvec()).T
+        assert np.abs([nod, roll]).max() <= ASKEW_DEG
+        assert TOE_IN_DEG[0] <= -inwards[0] <= TOE_IN_DEG[1] and TOE_IN_DEG[0] <= inwards[1] <= TOE_IN_DEG[1]
+        back = now[:, :, 2] @ (middles[0] - middles[1])
+        assert back[0] > 0 > back[1]  # cameras look along -z: their lines meet
+    assert len({now.tobytes() for _, now in seen}) == 10
+    np.testing.assert_array_equal(look(3)[1], seen[3][1])
 
 
 def test_who_does_not_fit_is_told_who_does() -> None:

@@ -1,0 +1,214 @@
+"""`imitate gesture --stand`: the same movement on one's own feet, and who else would fall."""
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from babbling.axes import FloatArray, IntArray
+from babbling.balance import SATURATED, Balance
+from babbling.files import load, save
+from experiments.gesture.options import Config
+from experiments.gesture.standing_figures import figures
+from experiments.gesture.standing_recording import record
+from experiments.gesture.standing_study import study
+from experiments.shared.experiment import Result
+from experiments.shared.judging import rmse_deg
+from experiments.shared.minds import Learned, body_of
+from experiments.shared.progress import progress
+from experiments.shared.standing import Performance, learn_balance, perform, standing_of
+from experiments.shared.tables import table
+from experiments.shared.watching import Seen
+from imitation.acting.balancing import Balancer
+from imitation.acting.movement import Movement, slowed
+from models.body import SimulatedBody
+from models.standing import StandingBody
+
+PUSH_S = 0.1
+"""How long a push lasts."""
+WAYS = ("ours", "linear", "replay")
+
+
+@dataclass(frozen=True)
+class Stands:
+    """What one run of `imitate gesture --stand` produced, for its figures and its recording."""
+
+    config: Config
+    body: StandingBody
+    learned: Learned
+    balance: Balance
+    balancer: Balancer
+    seen: Seen
+    wanted: FloatArray
+    """(T, J) joint angles to come to, at this pace, in the body's own order."""
+    done: dict[str, Performance]
+    """By who did it."""
+    order: IntArray
+    """(J,) the factor of each joint."""
+
+    @property
+    def sides(self) -> FloatArray:
+        """(2,) signs by which people call forward and left positive; the mind does not know which is which."""
+        labels = self.body.senses["touch"].labels
+        front = [1.0 if "front" in label else -1.0 for label in labels]
+        left = [1.0 if label.startswith("left") else -1.0 for label in labels]
+        return np.asarray(np.sign(np.sum(self.balance.pressing * np.array([front, left]), 1)))
+
+    def pressed(self, loads: FloatArray) -> FloatArray:
+        """(..., 2) pressure as people look at it."""
+        return self.sides * self.balance.pressed(loads)
+
+    @property
+    def ours(self) -> Performance:
+        """What the imitator did."""
+        return self.done["ours"]
+
+
+def stand(config: Config, learned: Learned, seen: Seen) -> Result:
+    """Learn to stand, or take what was learned; do the movement on one's feet; judge."""
+    hung, started = body_of(config, 1, stream=3), time.perf_counter()
+    body = standing_of(config, 1, 0)
+    if config.balance is not None:
+        balance = load(config.balance, Balance)
+        balance.check(body)
+    else:
+        with progress(f"{config.robot} learns to stand") as report:
+            balance = learn_balance(config, learned.mind, hung, report)
+    spent = time.perf_counter() - started
+    movement = paced(seen.angles, config.speed, hung)
+    wanted = movement.senses[:, hung.senses.lines("angle")]
+    balancer = Balancer(balance, config.balance_weight)
+    push = shoved(config.push)
+    done = {
+        who: perform(
+            standing_of(config, 1, 0), hung, learned.mind, movement,
+            Balancer(balance, linear=True) if who == "linear" else balancer, replay=who == "replay", push=push,
+        )
+        for who in WAYS
+    }  # fmt: skip
+    labels = [hung.sense_labels[line] for line in learned.mind.pilot.schema.posture]
+    order = np.array([labels.index(joint) if joint in labels else 0 for joint in hung.joints])
+    stands = Stands(config, body, learned, balance, balancer, seen, wanted, done, order)
+    metrics = measure(stands) | {"balance_wall_s": spent}
+    if config.study:
+        with progress("twenty individuals") as report:
+            metrics |= study(config, learned.mind, hung, balance, seen, report)
+    summary = summarise(metrics, stands)
+    files = {} if config.balance is not None else {"balance.nc": lambda path: save(balance, path)}
+    return Result(metrics, summary, figures(stands, metrics), lambda path: record(path, stands, summary), files)
+
+
+def paced(angles: FloatArray, speed: float, hung: SimulatedBody) -> Movement:
+    """(T, J) joint angles so many times as fast."""
+    faster = np.clip(slowed(angles, 1 / speed), *hung.joint_range.T)
+    return Movement("standing", hung.tick_s, hung.sensations(faster))
+
+
+def shoved(told: str | None) -> Any:
+    """What pushes when, or None."""
+    if told is None:
+        return None
+    begin, *force = map(float, told.split(","))
+    return lambda now: np.array(force) if begin <= now < begin + PUSH_S else np.zeros(3)
+
+
+def measure(stands: Stands) -> dict[str, Any]:
+    """The numbers of metrics.json. Joints that carry the body are left out of `joint_rmse_deg`: they belong to
+    balance; so are ticks at which parts of the body touch each other, and what comes after a fall."""
+    ours, balance, tick = stands.ours, stands.balance, stands.body.tick_s
+    count, first = len(stands.wanted), ours.first
+    carried = balance.carries[stands.order] > 0
+    during = slice(first, first + count)
+    upright, touching = ours.upright[during, 0], stands.body.touching(ours.configurations[during])
+    free = upright & ~touching
+    reached, wanted = ours.angles[during, 0], stands.wanted
+
+    def error(ticks: Any, joints: Any) -> float | None:
+        return rmse_deg(reached[ticks][:, joints], wanted[ticks][:, joints]) if ticks.any() else None
+
+    felt = balance.pressed(ours.loads[:, 0])[ours.upright[:, 0]]
+    expected = ours.plan.expected[ours.upright[:, 0], 0]
+    fell = {who: bool(one.fell[0]) for who, one in stands.done.items()}
+    when = {
+        who: float((one.upright[:, 0].argmin() - one.first) * tick) if fell[who] else None
+        for who, one in stands.done.items()
+    }
+    return {
+        "demonstration": stands.config.demonstration,
+        "robot": stands.config.robot,
+        "seed": stands.config.seed,
+        "speed": stands.config.speed,
+        "slowed_factor": stands.seen.slowed,
+        "frames": count,
+        "tick": tick,
+        "fell": fell,
+        "fall_time_s": when,
+        "joint_rmse_deg": error(free, ~carried),
+        "joint_rmse_touching_deg": error(upright & touching, ~carried),
+        "carrying_joints_rmse_deg": error(upright, carried),
+        "contact_frames_share": float(touching[upright].mean()) if upright.any() else 0.0,
+        "pressure_largest": np.abs(felt).max(0).tolist(),
+        "pressure_foretold_rmse": float(np.sqrt(((felt - expected) ** 2).mean())),
+        "first_pressure_foretold": ours.plan.expected[first, 0].tolist(),
+        "offset_largest_deg": np.rad2deg(np.abs(ours.plan.offset[:, 0]).max(0)).tolist(),
+        "carrying_joints": [joint for joint, carries in zip(stands.body.joints, carried, strict=True) if carries],
+        "balance_body_minutes": float(balance.minutes.sum()),
+        "balance_stage_minutes": balance.minutes.tolist(),
+        "balance_stage_falls": balance.falls.tolist(),
+        "balance_weight": stands.config.balance_weight,
+        **stands.learned.metrics,
+    }
+
+
+def summarise(metrics: dict[str, Any], stands: Stands) -> str:
+    """The result as a markdown table."""
+
+    def said(who: str) -> str:
+        return f"fell after {metrics['fall_time_s'][who]:.1f} s" if metrics["fell"][who] else "stands"
+
+    def degrees(value: float | None) -> str:
+        return "-" if value is None else f"{value:.3f} deg"
+
+    rows = [
+        ("on its own feet", said("ours")),
+        ("the line of the same experience", said("linear")),
+        ("sub-goals simply sent, legs and all", said("replay")),
+        ("joints that do not carry it, against sub-goals, nothing touching", degrees(metrics["joint_rmse_deg"])),
+        ("the same while parts of it touch each other", degrees(metrics["joint_rmse_touching_deg"])),
+        ("joints that carry it, against the teacher's", degrees(metrics["carrying_joints_rmse_deg"])),
+        ("ticks at which parts of it touch", f"{metrics['contact_frames_share']:.0%}"),
+        ("largest pressure, of 1", " / ".join(f"{x:.2f}" for x in metrics["pressure_largest"])),
+        ("pressure foretold, root mean square", f"{metrics['pressure_foretold_rmse']:.3f}"),
+        (
+            "learning to stand",
+            f"{metrics['balance_body_minutes']:.1f} body-minutes, {sum(stands.balance.falls):g} falls",
+        ),
+    ]
+    if np.abs(metrics["first_pressure_foretold"]).max() > SATURATED:
+        margin = 1 - np.abs(metrics["first_pressure_foretold"]).max()
+        rows.append(("the first posture cannot stand", f"margin {margin:.2f}; it begins as near as it can"))
+    told = f"**{stands.config.demonstration}**, {metrics['frames'] * metrics['tick']:.1f} s, standing\n\n{table(rows)}"
+    if "falls" in metrics:
+        told += "\n\n" + study_table(metrics)
+    return told
+
+
+def study_table(metrics: dict[str, Any]) -> str:
+    """Falls by speed, then everything else of the study."""
+    header = ("falls of runs", *metrics["falls"])
+    speeds = next(iter(metrics["falls"].values()))
+    runs, hard, each = metrics["runs"], metrics["hardships"], metrics["hardship_runs"]
+    rows = [
+        (f"{speed} times as fast", *(f"{one[speed]} of {runs[who][speed]}" for who, one in metrics["falls"].items()))
+        for speed in speeds
+    ]
+    hardships = [(name, *(f"{n} of {each}" for n in one.values())) for name, one in hard.items()]
+    parts = [table(rows, header), table(hardships, ("falls", *next(iter(hard.values()))))]
+    pushes = [
+        (f"{when}, {who}", f"{np.mean(one):.2f}", f"{min(one):.1f}")
+        for when, all_ in metrics["push_impulse_ns"].items()
+        for who, one in all_.items()
+    ]
+    parts.append(table(pushes, ("push survived by half of the runs [N s]", "mean of 8 directions", "least")))
+    return "\n\n".join(parts)

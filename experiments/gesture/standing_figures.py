@@ -1,0 +1,115 @@
+"""Figures of `imitate gesture --stand`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from experiments.shared.figures import rates
+from experiments.shared.judging import interval_95
+from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+
+if TYPE_CHECKING:
+    from experiments.gesture.standing import Stands
+
+DIRECTIONS = ("forward and back", "sideways")
+"""What people call the two directions of pressure."""
+INK = {"ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": INKS["green"]}
+
+
+def figures(stands: Stands, metrics: Mapping[str, Any]) -> dict[str, Figure]:
+    """File stem -> figure."""
+    made = {"standing": standing(stands), "learning_to_stand": learning(metrics)}
+    if "falls" in metrics:
+        made["falls"] = falls(metrics)
+        made["pushes"] = pushes(metrics)
+    return made
+
+
+def standing(stands: Stands) -> Figure:
+    """Pressure felt and foretold, offsets, and where the pressure went between the edges of the soles."""
+    figure = Figure(figsize=(11, 6.5), layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.7, 1))
+    tick = stands.body.tick_s
+    for k, name in enumerate(DIRECTIONS):
+        axes = figure.add_subplot(grid[k, 0])
+        for who, one in stands.done.items():
+            time = (np.arange(len(one.loads)) - one.first) * tick
+            felt = np.where(one.upright[:, 0], stands.pressed(one.loads[:, 0])[:, k], np.nan)
+            axes.plot(time, felt, color=INK[who], lw=1.1, label=f"felt, {who}")
+        time = (np.arange(len(stands.ours.plan.expected)) - stands.ours.first) * tick
+        axes.plot(
+            time,
+            stands.sides[k] * stands.ours.plan.expected[:, 0, k],
+            color=DARK,
+            lw=1,
+            ls="--",
+            label="foretold, ours",
+        )
+        axes.axhspan(1, 1.3, color=PLAIN, alpha=0.3)
+        axes.axhspan(-1.3, -1, color=PLAIN, alpha=0.3)
+        axes.set(ylabel="pressure, 1 = edge", ylim=(-1.3, 1.3), title=f"Pressure {name}")
+        if k == 0:
+            axes.legend(frameon=False, ncols=4, fontsize=8)
+    axes = figure.add_subplot(grid[2, 0])
+    for k, name in enumerate(DIRECTIONS):
+        axes.plot(time, np.rad2deg(stands.ours.plan.offset[:, 0, k]), color=(OURS, THEIRS)[k], label=name)
+    axes.set(
+        xlabel="time since the movement began [s]", ylabel="offset [deg]", title="What Eq. (1) adds to the posture"
+    )
+    axes.legend(frameon=False, ncols=2, fontsize=8)
+    axes = figure.add_subplot(grid[:, 1])
+    for who, one in reversed(stands.done.items()):
+        felt = stands.pressed(one.loads[one.upright[:, 0], 0])
+        axes.plot(-felt[:, 1], felt[:, 0], color=INK[who], lw=0.8, label=who)
+    axes.plot([-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1], color=DARK, lw=1)
+    axes.set(
+        xlabel="left and right", ylabel="forward and back", title="Pressure between the soles' edges", aspect="equal"
+    )
+    axes.legend(frameon=False, fontsize=8)
+    fell = [who for who, one in stands.done.items() if one.fell[0]]
+    figure.suptitle(f"{stands.config.demonstration}, standing; fell: {', '.join(fell) or 'nobody'}", fontsize=11)
+    return figure
+
+
+def learning(metrics: Mapping[str, Any]) -> Figure:
+    """Falls in a body-minute, stage by stage."""
+    figure = Figure(figsize=(6.5, 3.8), layout="constrained")
+    axes = figure.subplots()
+    minutes, fell = np.array(metrics["balance_stage_minutes"]), np.array(metrics["balance_stage_falls"])
+    names = ["rocked", "wiggles", *(f"stage {n + 1}" for n in range(len(minutes) - 2))]
+    axes.bar(names, fell / np.maximum(minutes, 1e-9), color=OURS)
+    axes.set(ylabel="falls in a body-minute", title=f"Learning to stand: {minutes.sum():.1f} body-minutes")
+    axes.set_xlabel("each stage moves further about than the one before")
+    return figure
+
+
+def falls(metrics: Mapping[str, Any]) -> Figure:
+    """Share of runs that fell, by speed; intervals are exact (Clopper and Pearson)."""
+    curves = {}
+    for who, by_speed in metrics["falls"].items():
+        runs = metrics["runs"][who]
+        curves[who] = {
+            "at": [float(speed) for speed in by_speed],
+            "share": [n / runs[speed] for speed, n in by_speed.items()],
+            "interval": [interval_95(n, runs[speed]) for speed, n in by_speed.items()],
+        }
+    return rates({"": curves}, ("times as fast", "share of runs that fell"), caption="Falls, twenty individuals a cell")
+
+
+def pushes(metrics: Mapping[str, Any]) -> Figure:
+    """Impulse that half of the runs survive, by direction."""
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
+    row = figure.subplots(1, 2, subplot_kw={"projection": "polar"})
+    for axes, (when, all_) in zip(row, metrics["push_impulse_ns"].items(), strict=True):
+        for who, impulses in all_.items():
+            angle = np.arange(len(impulses) + 1) * 2 * np.pi / len(impulses)
+            axes.plot(angle, [*impulses, impulses[0]], color=INK[who], label=who)
+        axes.set_theta_zero_location("N")
+        axes.set_title(f"{when} [N s]")
+    row[0].legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.2, -0.1))
+    figure.suptitle("Pushes of a tenth of a second that half of the runs survive (up: forward)", fontsize=11)
+    return figure
