@@ -20,6 +20,7 @@ order, each from what the one before left to be asked:
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -77,11 +78,6 @@ class Stood(NamedTuple):
     """(T, B) not fallen, nor about to."""
 
     @property
-    def shares(self) -> FloatArray:
-        """(T, B, L) loads as shares of their sum."""
-        return shares(self.loads)
-
-    @property
     def moving(self) -> FloatArray:
         """(T, B, 2 F) how the command moved of late: pace (rad/s) and bend (10 rad/s^2) over some ticks."""
         then = [np.concatenate([self.told[:1].repeat(n, 0), self.told[:-n]]) for n in (2, 3, 4, 6)]
@@ -110,7 +106,7 @@ def find_pressure(loads: FloatArray, organ: FloatArray) -> tuple[FloatArray, lis
     split = shares(loads)
     felt, rest = ((v - v.mean(0)).reshape(-1, v.shape[-1]) for v in (organ, split))  # everybody about its own mean
     _, size, axes = np.linalg.svd(rest, full_matrices=False)
-    if size[1] < UNEVEN * size[0]:
+    if size[1] <= UNEVEN * size[0]:
         raise BabblingError("rocked, it feels nothing of it in its soles: is it standing on them?")
     moved = rest @ axes[:2].T
     told = np.linalg.lstsq(moved, felt, rcond=None)[0]  # (2, O)
@@ -185,7 +181,7 @@ def wiggled(
     weight = float(np.median(run.loads[:, run.upright.all(0)].sum(-1)))
     before, after, kept = run.settled(tick_s, weight)
     x = np.concatenate([(run.told - home)[before], run.moving[after]], -1)
-    y, count = run.shares[after], len(home)
+    y, count = shares(run.loads)[after], len(home)
 
     def slopes(copies: slice) -> FloatArray:
         rows, keep = (x[:, copies], y[:, copies]), kept[:, copies]
@@ -225,9 +221,8 @@ def settled(found: Balance, runs: list[Stood], tick_s: float) -> tuple[FloatArra
     for number, run in enumerate(runs):
         before, after, kept = run.settled(tick_s, found.weight)
         copy = np.broadcast_to(np.arange(kept.shape[1]) + 1000 * number, kept.shape)
-        beside, offset = (run.planned - found.home)[before], run.offset[before]
-        x = features(beside[kept])
-        parts.append((x, offset[kept], run.moving[after][kept], found.pressed(run.loads[after])[kept], copy[kept]))
+        x, felt = features((run.planned - found.home)[before][kept]), found.pressed(run.loads[after])
+        parts.append((x, run.offset[before][kept], run.moving[after][kept], felt[kept], copy[kept]))
     x, offset, moving, felt, copy = (np.concatenate(part) for part in zip(*parts, strict=True))
     held_out, lean, steady = np.isin(copy, np.unique(copy)[::4]), [], felt.copy()
     scale = np.concatenate([
@@ -262,26 +257,21 @@ def settled(found: Balance, runs: list[Stood], tick_s: float) -> tuple[FloatArra
 
 
 def _empty(fingerprint: str) -> ForwardModel:
-    def about(name: str, unit: str, reach: float, size: int) -> Axis:
-        return Axis(name, unit, np.full(2, -reach), np.full(2, reach), size)
-
-    return ForwardModel(
-        (about("leaning", "1", LEAN, CELLS[0]),),
-        about("shift", "rad", OFFSET, CELLS[1]),
-        about("settled", "1", 1.0, CELLS[2]),
-        factors=("direction 0", "direction 1"),
-        prior_strength=STRENGTH,
-        fingerprint=fingerprint,
+    names, reach = (("leaning", "1"), ("shift", "rad"), ("settled", "1")), (LEAN, OFFSET, 1.0)
+    lean, offset, pressure = (
+        Axis(*name, np.full(2, -most), np.full(2, most), size)
+        for name, most, size in zip(names, reach, CELLS, strict=True)
     )
+    two = ("direction 0", "direction 1")
+    return ForwardModel((lean,), offset, pressure, factors=two, prior_strength=STRENGTH, fingerprint=fingerprint)
 
 
 def _pairs(strain: FloatArray, carries: BoolArray) -> list[tuple[int, int, int]]:
     """Pairs (i, j, sign): i and sign j moved together strain the loads least, of (L, F) effects beside pressure."""
-    free, size = set(np.flatnonzero(carries).tolist()), np.linalg.norm(strain, axis=0)
-    alone = {(i, j): np.hypot(size[i], size[j]) + 1e-12 for i in free for j in free if i < j}
+    free, size = set(np.flatnonzero(carries).tolist()), np.linalg.norm(strain, axis=0) + 1e-12
     left = {
-        (i, j, sign): np.linalg.norm(strain[:, i] + sign * strain[:, j]) / both
-        for (i, j), both in alone.items()
+        (i, j, sign): np.linalg.norm(strain[:, i] + sign * strain[:, j]) / np.hypot(size[i], size[j])
+        for i, j in combinations(sorted(free), 2)
         for sign in (1, -1)
     }
     found = list[tuple[int, int, int]]()

@@ -19,6 +19,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
+import babbling.balance
 import babbling.frame
 import babbling.looking
 from babbling.axes import Axis
@@ -52,6 +53,7 @@ from models.seeing_body import SeeingBody, watching_body
 from models.teachers import robots as teaching
 from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.performing import perform
+from tests.babbling import soles
 from tests.babbling.creature import Creature, motors, schema
 from tests.babbling.test_looking import REACH, GeometricHead
 
@@ -298,6 +300,7 @@ FILES: dict[str, Callable[[Mind], object]] = {
     "interrupted babble": lambda mind: Interrupted(mind, 1.0, 0.1, 1),
     "eyes": lambda mind: eyes(),
     "body image": lambda mind: learned_image(),
+    "balance": lambda mind: soles.stood(np.random.default_rng(0)),
     "maze memory": lambda mind: StepMemory(
         counted_moves(),
         (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
@@ -337,6 +340,7 @@ def kept(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(babbling.looking, "GRID", (3, 3, 3, 5, 7))  # small files are tried sooner
         patch.setattr(babbling.frame, "GRID", (3, 9, 9))
+        patch.setattr(babbling.balance, "CELLS", (5, 5, 7))
         mind = learn(load_body(arm, copies=8), minutes=0.5, seed=0)
         for name, path in paths.items():
             save(FILES[name](mind), path)

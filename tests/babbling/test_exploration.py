@@ -1,11 +1,13 @@
 """Ways to explore: inside their range, all over it, the same again with the same seed."""
 
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import babbling.exploration
 from babbling.exploration import MotorRange, choices, smooth
 
 LOW, HIGH = np.array([0.0, -2.0, 1.0]), np.array([4.0, 1.0, 2.0])
@@ -32,6 +34,18 @@ def test_smooth_moves_keep_to_the_speed_they_are_given() -> None:
     assert (speed.max((0, 1)) > 0.5 * MOTORS.speed).all()  # and it comes near it
     slow = (speed < 0.1 * MOTORS.speed).mean()
     assert 0.2 < slow < 0.95  # speeds over two decades
+
+
+@pytest.mark.parametrize("decades", [1e-6, 0.5, 0.9])
+def test_peak_speeds_lie_over_as_many_decades_as_asked(decades: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A move's mean speed is 8/15 of its peak; over time that is 8/15 top / E[top / peak], peaks log-uniform."""
+    monkeypatch.setattr(babbling.exploration, "SHORTEST_S", 0.02)
+    monkeypatch.setattr(babbling.exploration, "LONGEST_S", 1e3)  # neither end is what is asked here
+    slow = replace(MOTORS, speed=(HIGH - LOW) / 3)
+    sent = np.array(list(islice(smooth(slow, 40, 0.02, np.random.default_rng(1), decades=decades), 4000)))
+    mean = np.abs(np.diff(sent, axis=0)).mean((0, 1)) / 0.02 / slow.speed
+    wanted = 8 / 15 * decades * np.log(10) / (10**decades - 1)
+    np.testing.assert_allclose(mean, wanted, rtol=0.06)
 
 
 def test_choices_are_whole_numbers_each_as_likely() -> None:

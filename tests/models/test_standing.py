@@ -52,6 +52,27 @@ def test_a_push_moves_the_pressure_its_way_and_a_strong_one_makes_it_fall() -> N
     assert not body.fallen.any() and not body.batch.xfrc_applied.any()
 
 
+def test_who_has_fallen_stays_where_it_is_and_the_others_go_on_as_if_alone() -> None:
+    both, alone = load_standing("hoap2", copies=2), load_standing("hoap2", individuals=Individuals(first=1))
+    both.push(np.array([[60.0, 0, 0], [2.0, 1.0, 0]]))
+    alone.push(np.array([2.0, 1.0, 0]))
+    lying = np.zeros(0)
+    for _ in range(100):
+        held(both, 1)
+        held(alone, 1)
+        np.testing.assert_array_equal(both.configuration[1], alone.configuration[0])
+        if both.fallen[0]:
+            lying = both.configuration[0] if not lying.size else lying
+            np.testing.assert_array_equal(both.configuration[0], lying)
+    assert lying.size == both.model.nq and both.fallen.tolist() == [True, False]
+    before = both.configuration[1]
+    assert (held(both, 1) is not None) and (both.configuration[1] != before).any()
+    both.reset()
+    assert not both.fallen.any()
+    held(both, 1)
+    assert (both.configuration[0] != lying).any()
+
+
 @pytest.mark.parametrize(("tilt", "sign"), [((4.0, 0.0), (1, 0)), ((-4.0, 0.0), (-1, 0)), ((0.0, 4.0), (0, 1))])
 def test_downhill_is_where_the_pressure_goes(tilt: tuple[float, float], sign: tuple[int, int]) -> None:
     flat, slope = (load_standing("hoap2", individuals=ALIKE, tilt_deg=t) for t in ((0.0, 0.0), tilt))

@@ -1,0 +1,205 @@
+"""HOAP-2 learns to stand on its feet, in a hurry, and does short movements there: what is felt, and what is sent."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+import experiments.shared.standing as standing
+from babbling.balance import Balance
+from babbling.mind import Mind, learn
+from experiments.shared.options import BodyOptions
+from experiments.shared.standing import Joints, Learner, Performance, learn_balance, perform, standing_of, wander
+from imitation.acting.balancing import Balancer, Plan
+from imitation.acting.movement import Movement
+from models.body import SimulatedBody
+from models.hoap2.facts import HOME_DEG, JOINTS, LOAD_CELLS
+from models.loading import load_body, load_standing
+from models.standing import StandingBody
+
+OPTIONS = BodyOptions(robot="hoap2", threads=1, seed=100)
+HOME = np.array([np.deg2rad(HOME_DEG.get(joint, 0)) for joint in JOINTS])
+
+
+@pytest.fixture(scope="module")
+def hurried(hasty: None) -> Iterator[list[float]]:
+    """Fewer and shorter bouts on one's feet; and what was reported meanwhile."""
+    short = {"ROCKING_S": 4.0, "WIGGLING": 12, "WIGGLING_S": 6.0, "STAGE": 4, "STAGE_S": 3.0, "STAGES": (0.2,)}
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in {**short, "REST_S": 0.2}.items():
+            patch.setattr(standing, name, value)
+        yield []
+
+
+@pytest.fixture(scope="module")
+def hung() -> SimulatedBody:
+    return load_body("hoap2", threads=1)
+
+
+@pytest.fixture(scope="module")
+def mind(hasty: None) -> Mind:
+    return learn(load_body("hoap2", copies=8, threads=1), minutes=0.3, seed=0)
+
+
+@pytest.fixture(scope="module")
+def balance(hurried: list[float], hung: SimulatedBody, mind: Mind) -> Balance:
+    return learn_balance(OPTIONS, mind, hung, hurried.append)
+
+
+def raise_arms(hung: SimulatedBody, seconds: float = 0.6) -> Movement:
+    """From home, both arms forward and the hips bent a little."""
+    share = np.linspace(0, 1, round(seconds / hung.tick_s))[:, None]
+    wanted = np.zeros(len(JOINTS))
+    for joint, much in {"left_arm_joint_1": -0.5, "right_arm_joint_1": 0.5, "left_leg_joint_3": -0.1}.items():
+        wanted[JOINTS.index(joint)] = much
+    return Movement("arms", hung.tick_s, hung.sensations(HOME + share * wanted))
+
+
+class Listened(StandingBody):
+    """A body whose commands, and pushes as they act, are written down."""
+
+    sent: list[np.ndarray]
+    pushed: list[np.ndarray]
+
+    def act(self, motors: np.ndarray) -> np.ndarray:
+        self.sent.append(motors.copy())
+        self.pushed.append(self.batch.xfrc_applied[:, self._pushed, :3].copy())
+        return super().act(motors)
+
+
+def listened(copies: int = 2) -> Listened:
+    body = standing_of(OPTIONS, copies, 7)
+    body.__class__ = Listened
+    assert isinstance(body, Listened)
+    body.sent, body.pushed = [], []
+    return body
+
+
+@pytest.mark.parametrize("scramble", [None, 3])
+def test_a_mind_feels_its_joints_on_the_floor_as_on_its_stand(scramble: int | None) -> None:
+    known, body = (load("hoap2", copies=2, threads=1, scramble=scramble) for load in (load_body, load_standing))
+    assert isinstance(body, StandingBody)
+    moves = body.command_angles(np.tile(HOME, (2, 1))) + 0.02
+    for _ in range(5):
+        senses = body.act(moves)
+    felt = Joints(known, body).felt(senses)
+    assert felt.shape == (2, len(known.sense_low)) and not np.isnan(felt).any()
+    there = known.sensations(body.joint_angles)
+    seen = ~np.isnan(there)
+    assert seen.sum() == 2 * len(JOINTS)
+    np.testing.assert_allclose(felt[seen], there[seen], atol=6e-5)  # encoders count
+    speed = known.senses.vector({"speed": body.senses.read(senses, "speed")})
+    np.testing.assert_array_equal(felt[~seen], speed[~seen])
+
+
+def test_wandering_stays_within_reach_and_begins_and_moves_about_zero() -> None:
+    body, rng = load_standing("hoap2", copies=5, threads=1), np.random.default_rng(0)
+    reach = np.array([0.1, 0.6, 0.0001])
+    beside = wander(reach, body, 6.0, rng)
+    assert beside.shape == (300, 5, 3) and (np.abs(beside) <= reach).all()
+    assert (np.abs(beside).max((0, 1)) > 0.8 * reach).all() and np.abs(beside[0, :, 1]).max() < 0.1
+    assert (np.abs(np.diff(beside, axis=0)) / body.tick_s).max() <= 1.001 * standing.PACE
+    ends = np.stack([np.array([-0.5, 0.2]), np.array([1.0, 0.4])])  # rest lies outside of the second
+    moved = wander(ends, body, 6.0, rng, 0.3)
+    assert (moved >= [-0.5, 0.0]).all() and (moved <= [1.0, 0.4]).all()
+    assert (np.abs(np.diff(moved, axis=0)) / body.tick_s).max() <= 1.001 * 0.3
+
+
+def test_balance_is_learned_and_counted(balance: Balance, hurried: list[float], mind: Mind) -> None:
+    assert balance.pressing.shape == (2, len(LOAD_CELLS)) and balance.lines.shape == (len(LOAD_CELLS),)
+    found = {JOINTS[joint] for joint in np.flatnonzero(balance.carries)}  # its lines are those of the joints here
+    assert {f"{side}_leg_joint_{n}" for side in ("left", "right") for n in (2, 5, 6)} <= found
+    assert len(found - {joint for joint in JOINTS if "_leg_" in joint}) < 3, "next to nothing but legs"
+    front = balance.pressing[0] * np.sign(balance.pressing[0, 0])
+    assert (np.sign(front) == [1, 1, -1, -1, 1, 1, -1, -1]).all(), "toes and heels"
+    np.testing.assert_allclose(balance.minutes, [8 * 4 / 60, 12 * 6 / 60, 4 * 3 / 60])
+    assert balance.falls.shape == (3,) and (balance.falls <= [8, 12, 4]).all() and not balance.falls[:2].any()
+    assert balance.forward_model.transitions > 200
+    assert balance.fingerprint == load_standing("hoap2").fingerprint != mind.fingerprint
+    assert hurried == [1 / 3, 2 / 3, 1.0]
+
+
+def test_learners_are_others_every_time_and_none_of_those_who_are_judged(mind: Mind, hung: SimulatedBody) -> None:
+    learner, masses = Learner(OPTIONS, mind, hung, lambda share: None, [], []), []
+    for _ in range(2):
+        body = learner.bodies(3)
+        masses.append(np.array(body.batch.expand("body_mass")).sum(1))
+        learner.note(body, 10, 1)
+    masses.append(np.array(standing_of(OPTIONS, 3, 0).batch.expand("body_mass")).sum(1))
+    assert len(set(np.concatenate(masses).round(6))) == 9
+    assert learner.falls == [1, 1] and learner.minutes == pytest.approx([10 * 3 * 0.02 / 60] * 2)
+
+
+def test_what_comes_just_before_a_fall_is_part_of_it(balance: Balance, mind: Mind, hung: SimulatedBody) -> None:
+    tip = np.zeros((70, 2, 2))
+    tip[:, 1, 0] = np.minimum(np.arange(70) / 20, 1) * 0.6
+    postures = balance.home + tip @ balance.synergy
+    nothing = 0 * tip
+    learner = Learner(OPTIONS, mind, hung, lambda share: None, [], [])
+    run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing))
+    twin, down = standing_of(OPTIONS, 2, 7), []
+    for command in postures:
+        twin.act(mind.pilot.schema.motors(command))
+        down.append(twin.fallen)
+    assert np.array(down)[-1].tolist() == [False, True] and learner.falls == [1]
+    first = int(np.argmax(np.array(down)[:, 1]))
+    assert run.upright[:, 0].all() and int(run.upright[:, 1].sum()) == first - 15
+    assert run.upright[: first - 15, 1].all() and run.told is postures and run.offset is tip
+
+
+def test_what_carries_does_what_was_planned_and_the_rest_follows_eq_1(
+    balance: Balance, mind: Mind, hung: SimulatedBody
+) -> None:
+    body, movement = listened(), raise_arms(hung)
+    done = perform(body, hung, mind, movement, Balancer(balance))
+    ticks, carries = len(done.angles), balance.carries > 0
+    assert done.angles.shape == (ticks, 2, 25) and done.loads.shape == (ticks, 2, 8)
+    assert done.configurations.shape == (ticks, body.model.nq) and done.pushes.shape == (ticks, 2, 3)
+    assert done.upright.shape == (ticks, 2) and not done.fell.any() and not done.pushes.any()
+    resting = round(standing.REST_S / body.tick_s)
+    assert ticks - 1 == len(body.sent) == done.first + len(movement.senses) + resting
+    wanted = mind.pilot.schema.motors(np.clip(done.plan.postures[1 : len(body.sent) + 1], *mind.pilot.ends.T))
+    sent = np.array(body.sent)
+    np.testing.assert_allclose(sent[..., carries], wanted.repeat(2, 1)[..., carries])
+    assert np.abs(sent - wanted)[..., ~carries].max() > 1e-3, "ahead of where they are to be"
+    moved = done.angles[-1, :, JOINTS.index("left_arm_joint_1")] - HOME[JOINTS.index("left_arm_joint_1")]
+    np.testing.assert_allclose(moved, -0.5, atol=0.05)
+
+
+def test_replay_sends_the_sub_goals_themselves(balance: Balance, mind: Mind, hung: SimulatedBody) -> None:
+    body, movement = listened(), raise_arms(hung)
+    done = perform(body, hung, mind, movement, Balancer(balance), replay=True)
+    goals = movement.senses[:, mind.pilot.schema.posture]
+    sent = np.array(body.sent)[done.first - 1 :]
+    np.testing.assert_allclose(sent[: len(goals), 0], mind.pilot.schema.motors(np.clip(goals, *mind.pilot.ends.T)))
+    assert not done.plan.offset.any() and np.array_equal(done.plan.planned, done.plan.postures)
+
+
+def test_a_push_acts_when_it_should_and_a_reflex_is_told_what_is_felt(
+    balance: Balance, mind: Mind, hung: SimulatedBody
+) -> None:
+    told: list[tuple[int, np.ndarray, np.ndarray]] = []
+
+    def reflex(tick: int, loads: np.ndarray, gyro: np.ndarray) -> np.ndarray:
+        told.append((tick, loads, gyro))
+        return np.tile([0.02, -0.01], (2, 1))
+
+    def push(time: float) -> np.ndarray:
+        return np.where(0.1 - 1e-9 <= time < 0.2 - 1e-9, 1.0, 0.0) * np.array([[5.0, 0, 0], [0, -5.0, 0]])
+
+    body, still = listened(), listened()
+    balancer, movement = Balancer(balance), raise_arms(hung)
+    done: Performance = perform(body, hung, mind, movement, balancer, reflex=reflex, push=push)
+    perform(still, hung, mind, movement, balancer)
+    at = np.flatnonzero(done.pushes[:, 0, 0])
+    assert at.tolist() == list(range(done.first + 5, done.first + 10))
+    np.testing.assert_array_equal(done.pushes[at], np.tile([[5.0, 0, 0], [0, -5.0, 0]], (5, 1, 1)))
+    np.testing.assert_array_equal(np.array(body.pushed), done.pushes[:-1])
+    assert [tick for tick, _, _ in told] == list(range(len(body.sent)))
+    np.testing.assert_array_equal(np.array([loads for _, loads, _ in told]), done.loads[:-1])
+    assert all(gyro.shape == (2, 3) for _, _, gyro in told) and np.ptp([gyro for _, _, gyro in told]) > 0.1
+    carries, schema = balance.carries > 0, mind.pilot.schema
+    more = (np.array(body.sent) - np.array(still.sent))[..., carries]
+    np.testing.assert_allclose(
+        more, np.tile([0.02, -0.01] @ balance.synergy / schema.slope, (*more.shape[:2], 1))[..., carries], atol=1e-9
+    )

@@ -1,0 +1,135 @@
+"""Offsets by Eq. (1) with two terms, in a world that is known: by brute force, one tick ahead, as dear as asked."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from babbling.balance import Balance
+from imitation.acting.balancing import BEGIN, MATCH, Balancer
+from tests.babbling import soles
+from tests.babbling.soles import COUNT, HOME, PRESSURE, TICK
+
+LEANS = np.array([-1.5, -0.75, -0.25, 0.0, 0.5, 1.0])
+"""Grid points of lean."""
+
+
+@pytest.fixture(scope="module")
+def stood() -> Balance:
+    return soles.stood(np.random.default_rng(3))
+
+
+@pytest.fixture(scope="module")
+def wiggled() -> Balance:
+    return soles.learned(np.random.default_rng(3))
+
+
+def held(balancer: Balancer, leans: np.ndarray) -> np.ndarray:
+    """(N, 2) offsets once the same (N,) leans, both ways, have been there for long."""
+    return balancer.offsets(np.tile(np.repeat(leans[:, None], 2, 1), (80, 1, 1)))[-1]
+
+
+def moving(seed: int, copies: int = 3) -> np.ndarray:
+    """(T, B, F) postures that somebody would like to come to."""
+    return HOME + soles.moves(0.3, copies, 2.0, np.random.default_rng(seed), COUNT)
+
+
+@pytest.mark.parametrize("weight", [0.02, 0.3, 1.0, 3.0])
+def test_an_offset_is_the_mean_of_likelihood_to_the_w_times_the_match(stood: Balance, weight: float) -> None:
+    table = stood.forward_model
+    offsets = table.action.points
+    balanced = np.flatnonzero(table.outcome.points[0] == 0).item()
+    for lean, chosen in zip(LEANS, held(Balancer(stood, weight), LEANS), strict=True):
+        cell = np.flatnonzero(table.contexts[0].points[0] == lean).item()
+        joint = table.predictive[:, cell, :, balanced] ** weight * np.exp(-0.5 * (offsets / MATCH) ** 2)
+        np.testing.assert_allclose(chosen, (joint * offsets).sum(1) / joint.sum(1), atol=1e-9)
+
+
+def test_what_an_offset_comes_to_is_balance(stood: Balance) -> None:
+    """lean + gain a = 0 to within a cell of the table, where the experience is."""
+    gain = np.diag(PRESSURE @ stood.synergy.T)
+    leans = np.linspace(-0.9, 0.9, 13)
+    left = leans[:, None] + gain * held(Balancer(stood), leans)
+    assert (np.abs(left) < stood.forward_model.contexts[0].step).all()
+
+
+def test_the_more_balance_counts_the_nearer_it_comes_to_it(stood: Balance) -> None:
+    targets = np.repeat(HOME + 0.2 * np.eye(COUNT)[[8]], 80, 0)[:, None]
+    at = replace(stood, weights=stood.weights + np.pad([[0.6], [-0.6]], ((0, 0), (0, stood.weights.shape[1] - 1))))
+    plans = [Balancer(at, weight).plan(targets) for weight in (0.0, 0.003, 0.03, 1.0)]
+    left = np.abs([plan.expected[-1, 0] for plan in plans])
+    assert (np.diff(left, axis=0) < -0.004).all() and (left[-1] < 0.07).all() and (left[0] > 0.4).all()
+
+
+def test_who_does_not_mind_falling_does_what_the_teacher_did(stood: Balance) -> None:
+    targets = moving(0)
+    plan = Balancer(stood, 0.0).plan(targets)
+    assert not plan.offset.any()
+    np.testing.assert_array_equal(plan.postures, stood.safe(targets))
+    np.testing.assert_array_equal(plan.planned, plan.postures)
+
+
+def test_a_plan_says_what_it_was_made_of(stood: Balance) -> None:
+    targets, balancer = moving(1), Balancer(stood)
+    plan = balancer.plan(targets)
+    np.testing.assert_array_equal(plan.planned, stood.safe(targets))
+    np.testing.assert_array_equal(plan.lean, stood.leaning(plan.planned))
+    np.testing.assert_allclose(plan.offset, balancer.offsets(plan.lean))
+    np.testing.assert_allclose(plan.postures, plan.planned + plan.offset @ stood.synergy)
+    np.testing.assert_allclose(plan.expected, stood.forward_model.expected((plan.lean,), plan.offset))
+    alone = balancer.plan(targets[:, 1:2])
+    for one, all_of_them in zip(alone, plan, strict=True):
+        np.testing.assert_allclose(one[:, 0], all_of_them[:, 1], atol=1e-12)
+    more = np.random.default_rng(0).uniform(-0.1, 0.1, plan.offset.shape)
+    explored = balancer.plan(targets, more)
+    np.testing.assert_allclose(explored.offset, plan.offset + more)
+    np.testing.assert_array_equal(explored.planned, plan.planned)
+
+
+def test_before_any_table_the_line_of_the_wiggles_balances(wiggled: Balance) -> None:
+    balancer = Balancer(wiggled)
+    lean = np.random.default_rng(0).uniform(-1, 1, (1, 4, 2)).repeat(80, 0)
+    np.testing.assert_allclose(lean[-1] + balancer.offsets(lean)[-1] @ balancer.gains.T, 0, atol=1e-9)
+    plan = balancer.plan(moving(2))
+    np.testing.assert_allclose(plan.expected, plan.lean + plan.offset @ balancer.gains.T)
+
+
+def test_the_peer_is_the_least_squares_line_of_the_same_experience(wiggled: Balance, stood: Balance) -> None:
+    """Where offsets were drawn without regard to lean, the regression of offset on lean and pressure is known."""
+    rng = np.random.default_rng(8)
+    lean, offset = rng.uniform(-0.4, 0.4, (20_000, 2)), rng.uniform(-0.1, 0.1, (20_000, 2))
+    table = soles.stood(rng).forward_model
+    table.counts[:], table.outside[:], table.moments.sums[:] = 0, 0, 0
+    table.observe((lean,), offset, lean + 4 * offset)
+    peer = Balancer(replace(stood, forward_model=table), linear=True)
+    np.testing.assert_allclose(held(peer, LEANS), np.repeat(-LEANS[:, None] / 4, 2, 1), atol=2e-3)
+    ours, theirs = held(Balancer(stood), LEANS), held(Balancer(stood, linear=True), LEANS)
+    np.testing.assert_allclose(ours, theirs, atol=0.01)  # this world is a line
+    assert (ours != theirs).all() and np.array_equal(theirs, held(Balancer(stood, 0.01, linear=True), LEANS))
+
+
+@pytest.mark.parametrize("linear", [False, True])
+def test_what_was_planned_is_read_one_tick_ahead(stood: Balance, wiggled: Balance, linear: bool) -> None:
+    """A lean that comes and goes is answered by an offset whose middle is one tick before it, and nothing later."""
+    for balance in (stood, wiggled):
+        lean = np.zeros((120, 1, 2))
+        lean[70] = 0.3
+        balancer = Balancer(balance, linear=linear)
+        answer = np.abs(balancer.offsets(lean) - balancer.offsets(0 * lean))[..., 0, :]
+        middle = (answer * np.arange(120)[:, None]).sum(0) / answer.sum(0)
+        np.testing.assert_allclose(middle, 69, atol=1e-6)
+        late = np.zeros((120, 1, 2))
+        late[-1] = 0.3
+        answer = np.abs(balancer.offsets(late) - balancer.offsets(0 * late))[-2:, 0]
+        assert (answer > 0).all(), "the last one stays"
+
+
+def test_offsets_are_taken_up_gradually_and_stay_on_the_axis(stood: Balance, wiggled: Balance) -> None:
+    lean = np.full((80, 1, 2), 0.6)
+    for balance in (stood, wiggled):
+        taken = Balancer(balance).offsets(lean)[:, 0]
+        np.testing.assert_allclose(taken / taken[-1], np.minimum(np.arange(80) / BEGIN, 1)[:, None].repeat(2, 1))
+        far = Balancer(balance).offsets(100 * lean)
+        axis = balance.forward_model.action
+        assert (np.abs(far) <= axis.high + 1e-12).all() and np.isfinite(far).all()
+    assert TICK * BEGIN == pytest.approx(0.5)
