@@ -1,68 +1,32 @@
 """`imitate gesture --stand`: the same movement on one's own feet, and who else would fall."""
 
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import FloatArray
 from babbling.balance import SATURATED, Balance
 from babbling.files import load, save
 from experiments.gesture.options import Config
 from experiments.gesture.standing_figures import figures
+from experiments.gesture.standing_found import Stands
 from experiments.gesture.standing_recording import record
 from experiments.gesture.standing_study import study
 from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import Learned, body_of
 from experiments.shared.progress import progress
-from experiments.shared.standing import Performance, learn_balance, perform, standing_of
+from experiments.shared.standing import learn_balance, perform, standing_of
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
 from imitation.acting.movement import Movement, slowed
 from models.body import SimulatedBody
-from models.standing import StandingBody
 
 PUSH_S = 0.1
 """How long a push lasts."""
 WAYS = ("ours", "linear", "replay")
-
-
-@dataclass(frozen=True)
-class Stands:
-    """What one run of `imitate gesture --stand` produced, for its figures and its recording."""
-
-    config: Config
-    body: StandingBody
-    learned: Learned
-    balance: Balance
-    balancer: Balancer
-    seen: Seen
-    wanted: FloatArray
-    """(T, J) joint angles to come to, at this pace, in the body's own order."""
-    done: dict[str, Performance]
-    """By who did it."""
-    order: IntArray
-    """(J,) the factor of each joint."""
-
-    @property
-    def sides(self) -> FloatArray:
-        """(2,) signs by which people call forward and left positive; the mind does not know which is which."""
-        labels = self.body.senses["touch"].labels
-        front = [1.0 if "front" in label else -1.0 for label in labels]
-        left = [1.0 if label.startswith("left") else -1.0 for label in labels]
-        return np.asarray(np.sign(np.sum(self.balance.pressing * np.array([front, left]), 1)))
-
-    def pressed(self, loads: FloatArray) -> FloatArray:
-        """(..., 2) pressure as people look at it."""
-        return self.sides * self.balance.pressed(loads)
-
-    @property
-    def ours(self) -> Performance:
-        """What the imitator did."""
-        return self.done["ours"]
 
 
 def take_balance(config: Config) -> Balance:

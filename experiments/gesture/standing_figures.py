@@ -1,19 +1,15 @@
 """Figures of `imitate gesture --stand`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from experiments.gesture.standing_found import Stands
 from experiments.shared.figures import rates
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
-
-if TYPE_CHECKING:
-    from experiments.gesture.standing import Stands
 
 DIRECTIONS = ("forward and back", "sideways")
 """What people call the two directions of pressure."""

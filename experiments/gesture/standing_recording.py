@@ -1,23 +1,18 @@
 """The recording of `imitate gesture --stand`: the body on its feet, its pressure, and both beliefs."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
 from experiments.gesture.standing_figures import DIRECTIONS
+from experiments.gesture.standing_found import Stands
 from experiments.shared import views
 from experiments.shared.palette import ESTIMATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import log_bars, log_body, log_series, recording, ticks
 from experiments.shared.side_by_side import log_imitator, log_teacher
 from models.shapes import parts
-
-if TYPE_CHECKING:
-    from experiments.gesture.standing import Stands
 
 BARS = ("stay balanced", "match the teacher", "their product")
 APART = -0.55
