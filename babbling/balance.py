@@ -8,7 +8,8 @@ order, each from what the one before left to be asked:
    directions of pressure x, -1 .. 1 from edge to edge.
 2. What carries. It wiggles all joints a little: shares' = A (c - home). Joints whose column of A stands out carry it.
    Two of them whose effects on all but pressure cancel when they move together are a pair (both ankles; a hip and the
-   ankle below it): what of a posture pairs can do without changing the loads is safe to do (`following`).
+   ankle below it): what of a posture pairs can do without changing the loads is safe to do (`following`). What turns
+   the organ in a way that no pressure goes with (a hip that turns about the upright) twists the legs, and stays home.
 3. Synergies. Of all that pairs can do, the least movement that changes pressure along one direction, and nothing else.
 4. Settled pressure. It moves ever further about, balanced by what it knows so far. The centre of pressure first goes
    the wrong way when an ankle pushes (it is non-minimum-phase), so what is learned is where it comes to:
@@ -41,6 +42,8 @@ UNEVEN = 0.1
 """Rocked every way, the soles feel the second direction at least so much as the first."""
 CARRIES = 1 / 3
 """A joint carries if it changes the loads by more than this share of what the fourth strongest does."""
+TWISTS = 0.2
+"""A joint twists the legs if it turns the organ this much of its own pace, in a way that no synergy does."""
 ALIKE = 0.5
 """Two joints are a pair if together they change what is not pressure by less than this share of what each does."""
 NOISES = 12.0
@@ -74,6 +77,8 @@ class Stood(NamedTuple):
     """(T, B, F) postures asked for."""
     loads: FloatArray
     """(T, B, L) felt at the end of each tick."""
+    turning: FloatArray
+    """(T, B, 3) what the balance organ felt of turning, rad/s."""
     upright: BoolArray
     """(T, B) not fallen, nor about to."""
 
@@ -195,11 +200,15 @@ def wiggled(
     patterns: FloatArray = np.asarray(np.linalg.pinv(pressure), float)  # (L, 2) what unit pressure does to the shares
     pairs = _pairs(effects - patterns @ (pressure @ effects), carries)
     if not pairs:
-        raise BabblingError("no joints carry it in pairs: a body that stands has two of each, or a hip and an ankle")
+        raise BabblingError("no joints carry it in pairs; who stands has two of each, or a hip and an ankle")
     together = np.zeros((count, len(pairs)))
     for number, (i, j, sign) in enumerate(pairs):
         together[i, number], together[j, number] = 1, sign
     synergy = np.stack([_least(effects @ together, patterns[:, k]) for k in (0, 1)]) @ together.T
+    pace = [(v - v.mean(0))[after][kept] for v in (run.moving[..., :count], run.turning)]  # rad/s
+    turns = regress(pace[0][:, None], pace[1][:, None]).coefficients[0]  # (3, F)
+    mended = np.linalg.qr(turns @ synergy.T)[0]
+    carries |= np.linalg.norm(turns - mended @ (mended.T @ turns), axis=0) > TWISTS
     paired = np.where(carries, 0.0, 1.0) * np.eye(count) + together @ together.T / 2
     gain = (effects * carries).T @ (effects * carries) / (NOISES * noise) ** 2
     following = paired @ np.linalg.inv(np.eye(count) + gain @ gain) @ paired

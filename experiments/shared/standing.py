@@ -90,17 +90,18 @@ class Learner:
 
     def stand(self, body: StandingBody, plan: Plan) -> Stood:
         """Do what was planned, eyes shut."""
-        schema, loads, up = self.mind.pilot.schema, [], []
+        schema, loads, turning, up = self.mind.pilot.schema, [], [], []
         body.reset()
         for command in plan.postures:
             senses = body.act(schema.motors(np.clip(command, *self.mind.pilot.ends.T)))
             loads.append(body.senses.read(senses, "touch"))
+            turning.append(body.senses.read(senses, "gyro")[:, 0])
             up.append(~body.fallen)
         self.note(body, len(loads), int(body.fallen.sum()))
         upright = np.array(up)
         for copy in np.flatnonzero(~upright[-1]):
             upright[max(0, int(np.argmin(upright[:, copy])) - round(BEFORE_S / body.tick_s)) :, copy] = False
-        return Stood(plan.planned, plan.offset, plan.postures, np.array(loads), upright)
+        return Stood(plan.planned, plan.offset, plan.postures, np.array(loads), np.array(turning), upright)
 
     def note(self, body: StandingBody, ticks: int, falls: int) -> None:
         """Keep how long it took and how often it fell."""

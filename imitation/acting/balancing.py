@@ -11,14 +11,20 @@ after it was felt. Joints that carry the body follow the teacher as far as both 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from babbling.axes import Axis, FloatArray
 from babbling.balance import Balance
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
 
-MATCH = 0.1
+MATCH = 0.3
 """rad; how far off the teacher's an ankle may be."""
+SHARES = np.linspace(1, 0, 9)
+"""How much of the teacher's legs is followed: the largest share whose posture leans at most `LEANS`."""
+LEANS = 1.0
+"""Units of pressure: what an offset can surely mend."""
+EASING = 12
+"""Ticks, standard deviation, over which that share changes."""
 SMOOTH = 2.5
 """Ticks: an offset changes no faster than pressure settles."""
 BEGIN = 25
@@ -79,7 +85,7 @@ class Balancer:
 
     def plan(self, targets: FloatArray, explore: FloatArray | float = 0.0) -> Plan:
         """For (T, B, F) postures that one would like to come to; `explore` (T, B, 2) is added to the offsets."""
-        planned = self.balance.safe(targets)
+        planned = self.follow(targets)
         lean = self.balance.leaning(planned)
         offset = self.offsets(lean) + explore
         expected = lean + offset @ self.gains.T
@@ -89,6 +95,16 @@ class Balancer:
             action = np.clip(offset, *_ends(table.action)).reshape(-1, 2)
             expected = self.inverse.expect((context,), action).reshape(lean.shape)
         return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected)
+
+    def follow(self, targets: FloatArray) -> FloatArray:
+        """(T, B, F) what of postures can be done on both soles; of what carries, only as much as leans little."""
+        planned, carries = self.balance.safe(targets), self.balance.carries
+        rest = planned + carries * (self.balance.home - planned)
+        ways = [np.abs(self.balance.leaning(rest + share * (planned - rest))).max(-1) for share in SHARES]
+        share = SHARES[np.argmax(np.stack([*ways[:-1], 0 * ways[0]]) <= LEANS, axis=0)]  # (T, B); none of it at last
+        least = minimum_filter1d(share, 4 * EASING + 1, axis=0, mode="nearest")
+        eased = gaussian_filter1d(least, EASING, axis=0, mode="nearest")[..., None]
+        return np.asarray(rest + eased * (planned - rest))
 
     @property
     def gains(self) -> FloatArray:

@@ -36,6 +36,16 @@ PRODUCT, MUCH = (0, 8), 2.0
 """Two joints whose product leans, in the first direction, pressure per rad^2."""
 
 
+TURNS = np.stack([PRESSURE[0] / 6, PRESSURE[1] / 4, np.zeros(COUNT)])
+"""What each joint turns of the balance organ, rad/s per rad/s: a lean, and nothing about the upright."""
+
+
+def turning(told: FloatArray, rng: np.random.Generator, turns: FloatArray = TURNS) -> FloatArray:
+    """(T, B, 3) what the organ feels of (T, B, COUNT) commands."""
+    pace = np.diff(told, axis=0, prepend=told[:1]) / TICK
+    return np.asarray(pace @ turns.T + 0.01 * rng.standard_normal((*told.shape[:2], 3)))
+
+
 def moves(reach: FloatArray | float, copies: int, seconds: float, rng: np.random.Generator, width: int) -> FloatArray:
     """(T, B, width) about 0."""
     most, still = np.broadcast_to(reach, width), np.zeros(width)
@@ -55,7 +65,7 @@ def felt(shares: FloatArray, rng: np.random.Generator) -> FloatArray:
     return np.asarray(weight * (shares + 1e-3 * rng.standard_normal(shares.shape)))
 
 
-def wiggle(rng: np.random.Generator, copies: int = 12, uneven: float = 0.02) -> Stood:
+def wiggle(rng: np.random.Generator, copies: int = 12, uneven: float = 0.02, turns: FloatArray = TURNS) -> Stood:
     """Everyone moves all joints a little, about an own way of standing."""
     beside = moves(0.04, copies, 8.0, rng, COUNT)
     late = np.concatenate([beside[:1].repeat(4, 0), beside[:-4]])
@@ -63,12 +73,13 @@ def wiggle(rng: np.random.Generator, copies: int = 12, uneven: float = 0.02) -> 
     strain = late @ (EFFECTS - PATTERNS @ PRESSURE).T
     loads = felt(own + strain + settling(beside @ PRESSURE.T) @ PATTERNS.T, rng)
     nothing = np.zeros((*beside.shape[:2], 2))
-    return Stood(HOME + beside, nothing, HOME + beside, loads, np.ones(beside.shape[:2], bool))
+    told = HOME + beside
+    return Stood(told, nothing, told, loads, turning(told, rng, turns), np.ones(beside.shape[:2], bool))
 
 
-def learned(rng: np.random.Generator) -> Balance:
+def learned(rng: np.random.Generator, turns: FloatArray = TURNS) -> Balance:
     """What wiggling teaches."""
-    return wiggled(wiggle(rng), HOME, np.stack([FRONT, LEFT]), np.arange(8), TICK, "soles")
+    return wiggled(wiggle(rng, turns=turns), HOME, np.stack([FRONT, LEFT]), np.arange(8), TICK, "soles")
 
 
 def lean(postures: FloatArray, product: float = MUCH) -> FloatArray:
@@ -96,7 +107,7 @@ def stand(
     pressure = settling(lean(planned, product) + gain * offset @ (PRESSURE @ synergy.T).T)
     pressure = np.clip(pressure + 0.02 * rng.standard_normal(pressure.shape), -1, 1)
     loads = felt(1 / 8 + pressure @ PATTERNS.T, rng)
-    return Stood(planned, offset, told, loads, np.ones(beside.shape[:2], bool))
+    return Stood(planned, offset, told, loads, turning(told, rng), np.ones(beside.shape[:2], bool))
 
 
 def stood(rng: np.random.Generator, bouts: int = 2) -> Balance:

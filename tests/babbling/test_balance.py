@@ -8,7 +8,7 @@ import pytest
 from babbling.balance import SATURATED, Balance, Stood, _least, _pairs, features, find_pressure, settled, wiggled
 from babbling.errors import BabblingError
 from tests.babbling import soles
-from tests.babbling.soles import COUNT, EFFECTS, HOME, PAIRS, PATTERNS, PRESSURE, REST, TICK
+from tests.babbling.soles import COUNT, EFFECTS, HOME, PAIRS, PATTERNS, PRESSURE, REST, TICK, TURNS, learned
 
 BOTH = np.stack([soles.FRONT, soles.LEFT])
 FIRST, SECOND = np.triu_indices(COUNT)
@@ -70,7 +70,7 @@ def test_what_a_command_does_is_felt_four_ticks_later_by_those_who_stand_on_both
     upright = np.ones((ticks, copies), bool)
     upright[80:, 2] = False
     clock = np.arange(ticks)[:, None, None]
-    run = Stood(clock, clock, clock, loads, upright)
+    run = Stood(clock, clock, clock, loads, np.zeros((ticks, copies, 3)), upright)
     before, after, kept = run.settled(TICK, 80.0)
     assert (clock[after] - clock[before] == 4).all() and kept.shape == (ticks - 4, copies)
     felt = [clock[after][kept[:, copy], 0, 0].tolist() for copy in range(copies)]
@@ -218,3 +218,16 @@ def test_balance_is_of_one_body(known: Balance) -> None:
     known.check(replace(known))  # type: ignore[arg-type]
     with pytest.raises(BabblingError, match="another body"):
         known.check(replace(known, fingerprint="other"))  # type: ignore[arg-type]
+
+
+def test_what_turns_the_organ_as_no_pressure_does_stays_at_home() -> None:
+    turns = TURNS.copy()
+    turns[0, 8], turns[2, 9] = (
+        0.9,
+        0.5,
+    )  # one arm leans the organ, as a waist does; the other turns it about the upright
+    known = learned(np.random.default_rng(3), turns)
+    assert known.carries.tolist() == [1.0] * 8 + [0.0, 1.0]
+    moved = known.safe(known.home + np.eye(10)) - known.home
+    np.testing.assert_allclose(moved[9], 0, atol=1e-12)
+    assert moved[8, 8] == pytest.approx(1)
