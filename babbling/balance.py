@@ -201,9 +201,7 @@ def wiggled(
     pairs = _pairs(effects - patterns @ (pressure @ effects), carries)
     if not pairs:
         raise BabblingError("no joints carry it in pairs; who stands has two of each, or a hip and an ankle")
-    together = np.zeros((count, len(pairs)))
-    for number, (i, j, sign) in enumerate(pairs):
-        together[i, number], together[j, number] = 1, sign
+    together = np.stack([np.eye(count)[i] + sign * np.eye(count)[j] for i, j, sign in pairs], 1)
     synergy = np.stack([_least(effects @ together, patterns[:, k]) for k in (0, 1)]) @ together.T
     pace = [(v - v.mean(0))[after][kept] for v in (run.moving[..., :count], run.turning)]  # rad/s
     turns = regress(pace[0][:, None], pace[1][:, None]).coefficients[0]  # (3, F)
@@ -213,8 +211,8 @@ def wiggled(
     gain = (effects * carries).T @ (effects * carries) / (NOISES * noise) ** 2
     following = paired @ np.linalg.inv(np.eye(count) + gain @ gain) @ paired
     rest = pressure @ y[kept].mean(0)
-    lean = np.zeros((2, len(features(np.zeros(count)))))
-    lean[:, 0], lean[:, 1 : 1 + count] = rest, pressure @ effects
+    products = np.zeros((2, count * (count + 1) // 2))
+    lean = np.column_stack([rest, pressure @ effects, products])
     return Balance(
         fingerprint, home, lines, weight, pressure, effects, carries.astype(float), following, synergy, rest, lean,
         _empty(fingerprint), np.zeros(0), np.zeros(0),
@@ -222,10 +220,8 @@ def wiggled(
 
 
 def settled(found: Balance, runs: list[Stood], tick_s: float) -> tuple[FloatArray, ForwardModel]:
-    """Point 4: the weights of lean and the table, from all runs so far.
-
-    What moving adds to pressure at the time (`Stood.moving`) is fitted too, and taken out of what the table counts.
-    """
+    """Point 4: the weights of lean and the table, from all runs so far. What moving adds to pressure at the time
+    (`Stood.moving`) is fitted too, and taken out of what the table counts."""
     count, parts = len(found.home), list[tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]]()
     for number, run in enumerate(runs):
         before, after, kept = run.settled(tick_s, found.weight)

@@ -88,7 +88,7 @@ def test_a_plan_says_what_it_was_made_of(stood: Balance) -> None:
 
 
 def test_legs_follow_only_as_far_as_an_offset_can_mend(stood: Balance) -> None:
-    """The first pair leans 3 a radian: beyond `LEANS`, less of it is followed; what does not carry is followed as ever."""
+    """The first pair leans 3 a radian: beyond `LEANS` less of it is followed; what does not carry, as ever."""
     far = np.repeat((HOME + 0.6 * np.eye(COUNT)[[0, 1]].sum(0) + 0.3 * np.eye(COUNT)[9])[None, None], 80, 0)
     free = replace(stood, following=np.eye(COUNT))
     planned = Balancer(free).follow(far)
