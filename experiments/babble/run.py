@@ -83,9 +83,8 @@ def check_file(out: Path, holds: type = Mind) -> None:
             raise ExperimentError(f"--out {out}: a forward model's file ends in .nc; name it {out.stem or 'robot'}.nc")
         if out.exists():
             if not is_kind(out, holds):
-                raise ExperimentError(
-                    f"{out}: this is no {holds.__name__.lower()}'s file and would be lost; choose another name"
-                )
+                kind = "forward model" if holds is Mind else "balance"
+                raise ExperimentError(f"{out}: this is no {kind} and would be lost; choose another name")
         elif holds is Mind and (
             taken := [p.name for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]
         ):
