@@ -86,8 +86,8 @@ def arm_mind(arm: Path) -> Mind:
 
 
 @pytest.fixture(scope="module")
-def hasty() -> Iterator[None]:
-    """Babble with few copies in short bouts, rehearse for a moment, draw coarsely."""
+def hasty(arm_mind: Mind) -> Iterator[None]:
+    """Babble with few copies in short bouts, rehearse for a moment, draw coarsely; `arm_mind` is as ever."""
     with pytest.MonkeyPatch.context() as patch:
         hurry(patch.setattr)
         yield
