@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray
 from babbling.balance import SATURATED, Balance
 from babbling.files import load, save
 from experiments.gesture.options import Config
@@ -17,15 +16,11 @@ from experiments.shared.experiment import Result
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import Learned, body_of
 from experiments.shared.progress import progress
-from experiments.shared.standing import learn_balance, perform, standing_of
+from experiments.shared.standing import learn_balance, paced, perform, shove, standing_of
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
-from imitation.acting.movement import Movement, slowed
-from models.body import SimulatedBody
 
-PUSH_S = 0.1
-"""How long a push lasts."""
 WAYS = ("ours", "linear", "replay")
 
 
@@ -72,18 +67,12 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
     return Result(metrics, summary, figures(stands, metrics), lambda path: record(path, stands, summary), files)
 
 
-def paced(angles: FloatArray, speed: float, hung: SimulatedBody) -> Movement:
-    """(T, J) joint angles so many times as fast."""
-    faster = np.clip(slowed(angles, 1 / speed), *hung.joint_range.T)
-    return Movement("standing", hung.tick_s, hung.sensations(faster))
-
-
 def shoved(told: str | None) -> Any:
     """What pushes when, or None."""
     if told is None:
         return None
     begin, *force = map(float, told.split(","))
-    return lambda now: np.array(force) if begin <= now < begin + PUSH_S else np.zeros(3)
+    return shove(np.array(force), begin)
 
 
 def measure(stands: Stands) -> dict[str, Any]:

@@ -9,10 +9,10 @@ from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.mind import Mind
 from experiments.gesture.options import Config
-from experiments.shared.standing import Performance, Reflex, perform, standing_of
+from experiments.shared.standing import PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
 from experiments.shared.watching import Seen, watch
 from imitation.acting.balancing import Balancer
-from imitation.acting.movement import Movement, slowed
+from imitation.acting.movement import Movement
 from models.body import SimulatedBody
 from models.hoap2 import facts
 from models.standing import Individuals, StandingBody
@@ -24,7 +24,7 @@ GAINS = [(kp, kd) for kp in (0.01, 0.02, 0.04, 0.08) for kd in (0.0, 0.002, 0.00
 TRIED, PD_LIMIT, PD_SMOOTH = "icub-reach", np.deg2rad(15.0), 0.7
 IMPULSES = np.arange(0.8, 3.7, 0.4)
 ANGLES = np.arange(8) * np.pi / 4
-PUSH_S, PUSHED_AT_S, PUSHED_FOR_S = 0.1, 2.0, 4.0
+PUSHED_AT_S, PUSHED_FOR_S = 2.0, 4.0
 SQUAT_DEG, SQUAT_S = 110.0, 6.0
 LADEN_KG = 0.3
 
@@ -54,8 +54,7 @@ class Study:
 
     def moved(self, angles: FloatArray, speed: float) -> Movement:
         """Joint angles so many times as fast."""
-        faster = np.clip(slowed(angles, 1 / speed), *self.hung.joint_range.T)
-        return Movement("study", self.hung.tick_s, self.hung.sensations(faster))
+        return paced(angles, speed, self.hung)
 
     def pd(self, tick_s: float) -> Reflex:
         """An ankle that answers pressure and its change, at `gains` (1 or B, 2)."""
@@ -83,7 +82,7 @@ class Study:
         """(8,) N s in each direction that half of the runs survive: pushes of all sizes, one individual each."""
         direction, size = (grid.ravel() for grid in np.meshgrid(ANGLES, IMPULSES, indexing="ij"))
         force = np.stack([np.cos(direction), np.sin(direction), 0 * direction], 1) * size[:, None] / PUSH_S
-        done = self.perform(self.bodies(len(size)), movement, who, lambda now: force * (at_s <= now < at_s + PUSH_S))
+        done = self.perform(self.bodies(len(size)), movement, who, shove(force, at_s))
         step = IMPULSES[1] - IMPULSES[0]
         survived = (~done.fell).reshape(len(ANGLES), len(IMPULSES)).sum(1)
         return [float(s) for s in IMPULSES[0] - step + step * survived]

@@ -14,7 +14,7 @@ from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
 from imitation.acting.balancing import Balancer, Plan
 from imitation.acting.loop import Imitator
-from imitation.acting.movement import Movement
+from imitation.acting.movement import Movement, slowed
 from models.body import SimulatedBody
 from models.loading import load_standing
 from models.standing import Individuals, StandingBody
@@ -161,6 +161,21 @@ def wander(
     return np.array(
         list(islice(smooth(span, body.copies, body.tick_s, rng, decades=0.9), round(seconds / body.tick_s)))
     )
+
+
+def paced(angles: FloatArray, speed: float, hung: SimulatedBody) -> Movement:
+    """(T, J) joint angles so many times as fast."""
+    faster = np.clip(slowed(angles, 1 / speed), *hung.joint_range.T)
+    return Movement("standing", hung.tick_s, hung.sensations(faster))
+
+
+PUSH_S = 0.1
+"""How long a push lasts."""
+
+
+def shove(force: FloatArray, begin: float) -> Callable[[float], FloatArray]:
+    """Pushes of (3,) or (B, 3) N from `begin` on, s."""
+    return lambda now: force * (begin <= now < begin + PUSH_S)
 
 
 @dataclass(frozen=True)
