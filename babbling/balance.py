@@ -25,6 +25,7 @@ from itertools import combinations
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from scipy.optimize import linprog
 
 from babbling.axes import Axis, BoolArray, FloatArray, IntArray
 from babbling.body import OfOneBody
@@ -48,10 +49,9 @@ ALIKE = 0.5
 """Two joints are a pair if together they change what is not pressure by less than this share of what each does."""
 NOISES = 12.0
 """Singular values of A below so many times the noise of one of its entries are noise's."""
-EASE = 0.1
-"""Prior precision of a synergy's shares of each pair, against squared changes of load per radian."""
-LEAST_SHARE = 0.3
-"""A pair with less than this share of the greatest one is left out of a synergy."""
+STRAIN = 0.1
+"""rad in a synergy that are worth one less of the greatest change of a load's share beside pressure, in units of the
+greatest that pressure brings."""
 STRENGTH = 30.0
 """Pseudo-counts of the table's linear-Gaussian prior."""
 LEAN, OFFSET, CELLS = 4.0, 0.5, (65, 65, 31)
@@ -202,7 +202,7 @@ def wiggled(
     if not pairs:
         raise BabblingError("no joints carry it in pairs; who stands has two of each, or a hip and an ankle")
     together = np.stack([np.eye(count)[i] + sign * np.eye(count)[j] for i, j, sign in pairs], 1)
-    synergy = np.stack([_least(effects @ together, patterns[:, k]) for k in (0, 1)]) @ together.T
+    synergy = np.stack([_least(effects @ together, pressure, one) for one in np.eye(2)]) @ together.T
     pace = [(v - v.mean(0))[after][kept] for v in (run.moving[..., :count], run.turning)]  # rad/s
     turns = regress(pace[0][:, None], pace[1][:, None]).coefficients[0]  # (3, F)
     mended = np.linalg.qr(turns @ synergy.T)[0]
@@ -287,13 +287,15 @@ def _pairs(strain: FloatArray, carries: BoolArray) -> list[tuple[int, int, int]]
     return found
 
 
-def _least(effects: FloatArray, wanted: FloatArray) -> FloatArray:
-    """(P,) shares of P pairs that change the loads as wanted (L,), few and little: ridge, weighed anew by size (an
-    approximate least sum of absolute shares); the largest is 1."""
-    cost = np.ones(effects.shape[1])
-    for _ in range(3):
-        much = (effects * cost) @ effects.T + EASE * np.eye(len(effects))
-        found = cost * (effects.T @ np.linalg.solve(much, wanted))
-        cost = np.abs(found) / np.abs(found).max() + 0.05
-    found = np.where(np.abs(found) < LEAST_SHARE * np.abs(found).max(), 0.0, found)
-    return np.asarray(found / np.abs(found).max())
+def _least(effects: FloatArray, pressure: FloatArray, wanted: FloatArray) -> FloatArray:
+    """(P,) shares of P pairs that change pressure (2, L) as wanted (2,), with the least sum of absolute shares, which
+    is the fewest and strongest, and little `STRAIN` otherwise: a linear program; the largest is 1."""
+    both = np.hstack([effects, -effects])
+    patterns = np.asarray(np.linalg.pinv(pressure))
+    most = -np.full((len(patterns), 1), np.abs(patterns @ wanted).max())
+    beside = both - patterns @ (pressure @ both)
+    cost = np.append(np.ones(both.shape[1]), STRAIN)
+    bounds = np.vstack([np.hstack([beside, most]), np.hstack([-beside, most])])
+    found = linprog(cost, bounds, np.zeros(len(bounds)), np.hstack([pressure @ both, np.zeros((2, 1))]), wanted).x
+    share = found[: effects.shape[1]] - found[effects.shape[1] : -1]
+    return np.asarray(share / np.abs(share).max())

@@ -59,7 +59,7 @@ def command(config: Config) -> None:
         beside.append(balance_file(out))
         with progress(f"{config.robot} learns to stand") as report:
             balance = learn_balance(config, learned.mind, body_of(config, 1), report)
-        save(balance, beside[-1], people_say(standing_of(config, 1, 0)), **told, scramble=scramble)
+        save(balance, beside[-1], people_say(standing_of(config, 1, 0)), **told)
         rows.append(("learning to stand", f"{balance.minutes.sum():.1f} body-minutes, {balance.falls.sum():g} falls"))
     show(table(rows))
     print(f"\nwritten to {out} (and {', '.join(file.name for file in beside)} beside it)")

@@ -44,7 +44,7 @@ class Config(BodyOptions, MirrorOptions):
     """On its own feet: on a floor, free to fall. Balance is learned first, a minute or two, or taken."""
     balance: ToRead | None = None
     """What `imitate babble --stand` left of balance."""
-    balance_weight: Annotated[float, within(0, 100)] = 1.0
+    balance_weight: Annotated[float, within(0, 100)] = 4.0
     """Exponent of "stay balanced" beside "match the teacher" in Eq. (1); 0 leaves it out."""
     speed: Annotated[float, within(0.2, 4)] = 1.0
     """How many times as fast the movement is done on one's feet."""

@@ -21,7 +21,7 @@ from models.standing import Individuals, StandingBody
 
 ROCKING, ROCKING_S, ROCKING_N = 8, 8.0, 4.0
 """Copies, seconds, and the strongest push of being rocked."""
-WIGGLING, WIGGLING_S = 24, 10.0
+WIGGLING, WIGGLING_S = 32, 10.0
 STAGE, STAGE_S = 16, 8.0
 STAGES = (0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the joints' ranges that it moves over, one stage after the other."""

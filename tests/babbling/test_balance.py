@@ -121,10 +121,18 @@ def test_a_synergy_changes_pressure_its_own_way_and_nothing_else(known: Balance)
 
 def test_of_all_that_does_it_the_least_is_taken() -> None:
     """The stronger of two that push the same way does most of it, and what does harm is made up for."""
-    wanted = np.array([1.0, 0.0])
-    assert np.array_equal(_least(np.array([[3.0, 0.2], [0.0, 0.0]]), wanted), [1.0, 0.0])
-    both = _least(np.array([[6.0, 0.0], [4.0, 6.0]]), wanted)
-    np.testing.assert_allclose(both, [1.0, -2 / 3], atol=0.02)
+    pressure = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    one = np.array([1.0, 0.0])
+    alone = _least(np.array([[6.0, 4.0], [0.0, 0.0], [0.0, 0.0]]), pressure, one)
+    np.testing.assert_allclose(alone, [1.0, 0.0], atol=1e-9)
+    mended = _least(np.array([[6.0, 4.0], [0.0, 6.0], [0.0, 0.0]]), pressure, np.array([4.0, 6.0]))
+    np.testing.assert_allclose(mended, [0.0, 1.0], atol=1e-9)
+    for wanted in np.eye(2):
+        found = _least(np.array([[6.0, 4.0, 1.0], [0.5, 6.0, 0.0], [0.0, 0.0, 0.0]]), pressure, wanted)
+        changed = np.array([[6.0, 4.0, 1.0], [0.5, 6.0, 0.0]]) @ found
+        np.testing.assert_allclose(changed / changed.max(), wanted, atol=1e-9)
+    strained = np.array([[6.0, 5.9], [0.0, 0.0], [60.0, 0.0]])
+    np.testing.assert_allclose(_least(strained, pressure, one), [0.0, 1.0], atol=1e-9)
 
 
 def test_following_keeps_what_pairs_can_do_and_leaves_what_strains(known: Balance) -> None:
