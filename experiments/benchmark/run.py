@@ -1,11 +1,8 @@
 """Peers in one table: same bodies, same experience, same loop, each at its own best eagerness; and what it costs."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
 from functools import partial
 from importlib.util import find_spec
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +15,7 @@ from experiments.benchmark.lives import Clips, Point, Task
 from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
 from experiments.shared.experiment import Result
 from experiments.shared.minds import body_of
+from experiments.shared.parallel import in_parallel
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
@@ -41,30 +39,18 @@ def run(config: Config) -> Result:
         for seed in seeds
     ]
     tasks[0] = tasks[0]._replace(costs=True)
-    lives = in_parallel(tasks, config)
+    live = partial(lived, folder=config.keep)
+    lives = in_parallel(live, tasks, config.workers, "living")
     by_body = {
         body: [life[0] for one, life in zip(tasks, lives, strict=True) if one.body == body] for body in config.bodies
     }
     metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
         growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
-        metrics |= curves(growing, in_parallel(growing, config))
+        metrics |= curves(growing, in_parallel(live, growing, config.workers, "living"))
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
-
-
-def in_parallel(tasks: Sequence[Task], config: Config) -> list[list[Point]]:
-    """Every life, in order; which process lives it makes no difference."""
-    with ExitStack() as stack:
-        report, each = stack.enter_context(progress("living")), map
-        if config.workers > 1:
-            each = stack.enter_context(ProcessPoolExecutor(config.workers, get_context("spawn"))).map  # type: ignore[assignment]
-        lives = []
-        for life in each(partial(lived, folder=config.keep), tasks):
-            lives.append(life)
-            report(len(lives) / len(tasks))
-        return lives
 
 
 def watched(config: Config) -> Clips:

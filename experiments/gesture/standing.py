@@ -11,12 +11,12 @@ from experiments.gesture.options import Config
 from experiments.gesture.standing_figures import figures
 from experiments.gesture.standing_found import Stands
 from experiments.gesture.standing_recording import record
-from experiments.gesture.standing_study import study
+from experiments.gesture.standing_study import Cell, prepared, study
 from experiments.shared.experiment import Result
-from experiments.shared.judging import rmse_deg
+from experiments.shared.judging import lately, rmse_deg
 from experiments.shared.minds import Learned, body_of
 from experiments.shared.progress import progress
-from experiments.shared.standing import learn_balance, paced, perform, shove, standing_of
+from experiments.shared.standing import LET_GO_S, learn_balance, paced, perform, shove, standing_of
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
@@ -57,11 +57,13 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
     }  # fmt: skip
     labels = [hung.sense_labels[line] for line in learned.mind.pilot.schema.posture]
     order = np.array([labels.index(joint) if joint in labels else 0 for joint in hung.joints])
+    whole = prepared(config, learned.mind, balance, hung, seen.angles) if config.study else None
+    if whole is not None:
+        done["pd"] = whole.perform(Cell("pd", config.demonstration, config.speed), 1, push)
     stands = Stands(config, body, learned, balance, balancer, seen, wanted, done, order)
     metrics = measure(stands) | {"balance_wall_s": spent}
-    if config.study:
-        with progress("twenty individuals") as report:
-            metrics |= study(config, learned.mind, hung, balance, seen, report)
+    if whole is not None:
+        metrics |= study(whole, config.threads)
     summary = summarise(metrics, stands)
     files = {} if taken else {"balance.nc": lambda path: save(balance, path)}
     return Result(metrics, summary, figures(stands, metrics), lambda path: record(path, stands, summary), files)
@@ -82,15 +84,16 @@ def measure(stands: Stands) -> dict[str, Any]:
     count, first = len(stands.wanted), ours.first
     carried = balance.carries[stands.order] > 0
     during = slice(first, first + count)
-    upright, touching = ours.upright[during, 0], stands.body.touching(ours.configurations[during])
-    free = upright & ~touching
+    upright, touching = ours.upright[during, 0], stands.body.touching(ours.configurations[during, 0])
+    noticed = (ours.resisted[during, 0] & (balance.carries == 0)).any(-1)
+    free = upright & ~lately(touching, LET_GO_S / tick)
     reached, wanted = ours.angles[during, 0], stands.wanted
 
     def error(ticks: Any, joints: Any) -> float | None:
         return rmse_deg(reached[ticks][:, joints], wanted[ticks][:, joints]) if ticks.any() else None
 
     felt = balance.pressed(ours.loads[:, 0])[ours.upright[:, 0]]
-    expected = ours.plan.expected[ours.upright[:, 0], 0]
+    expected = ours.foretold[ours.upright[:, 0], 0]
     fell = {who: bool(one.fell[0]) for who, one in stands.done.items()}
     when = {
         who: float((one.upright[:, 0].argmin() - one.first) * tick) if fell[who] else None
@@ -110,9 +113,13 @@ def measure(stands: Stands) -> dict[str, Any]:
         "joint_rmse_touching_deg": error(upright & touching, ~carried),
         "carrying_joints_rmse_deg": error(upright, carried),
         "contact_frames_share": float(touching[upright].mean()) if upright.any() else 0.0,
+        "contact_noticed_share": float(noticed[touching].mean()) if touching.any() else None,
+        "contact_imagined_share": float(noticed[free].mean()) if free.any() else None,
         "pressure_largest": np.abs(felt).max(0).tolist(),
         "pressure_foretold_rmse": float(np.sqrt(((felt - expected) ** 2).mean())),
         "first_pressure_foretold": ours.plan.expected[first, 0].tolist(),
+        "stays_largest": np.abs(ours.stays[:, 0]).max(0).tolist(),
+        "choice_p50_ms": 1e3 * float(np.median(ours.choice_s)),
         "offset_largest_deg": np.rad2deg(np.abs(ours.plan.offset[:, 0]).max(0)).tolist(),
         "carrying_joints": [joint for joint, carries in zip(stands.body.joints, carried, strict=True) if carries],
         "balance_body_minutes": float(balance.minutes.sum()),

@@ -36,10 +36,10 @@ def standing(stands: Stands) -> Figure:
             time = (np.arange(len(one.loads)) - one.first) * tick
             felt = np.where(one.upright[:, 0], stands.pressed(one.loads[:, 0])[:, k], np.nan)
             axes.plot(time, felt, color=INK[who], lw=1.1, label=f"felt, {who}")
-        time = (np.arange(len(stands.ours.plan.expected)) - stands.ours.first) * tick
+        time = (np.arange(len(stands.ours.foretold)) - stands.ours.first) * tick
         axes.plot(
             time,
-            stands.sides[k] * stands.ours.plan.expected[:, 0, k],
+            stands.sides[k] * stands.ours.foretold[:, 0, k],
             color=DARK,
             lw=1,
             ls="--",

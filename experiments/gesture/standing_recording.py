@@ -56,17 +56,17 @@ def layout() -> rrb.Horizontal:
 
 def _log_world(stream: rr.RecordingStream, stands: Stands) -> None:
     tick, model, ours = stands.body.tick_s, stands.body.model, stands.ours
-    log_imitator(stream, parts(model, ours.configurations), tick)
+    log_imitator(stream, parts(model, ours.configurations[:, 0]), tick)
     floor = rr.Boxes3D(
         half_sizes=[(0.9, 1.4, 0.002)], centers=[(0, 0, -0.002)], colors=[(70, 74, 80)], fill_mode="solid"
     )
     stream.log("world/floor", floor, static=True)
     sent = stands.done["replay"]
-    log_body(stream, "world/replay", parts(model, sent.configurations), tick, offset=(0, APART, 0), tint=REPLAYED)
+    log_body(stream, "world/replay", parts(model, sent.configurations[:, 0]), tick, offset=(0, APART, 0), tint=REPLAYED)
     if stands.seen.teacher is not None:
-        log_teacher(stream, stands.seen.teacher, len(ours.configurations), tick)
+        log_teacher(stream, stands.seen.teacher, len(ours.configurations[:, 0]), tick)
     if ours.pushes.any():
-        places = ours.configurations[:, :3] - ARROW * ours.pushes[:, 0]
+        places = ours.configurations[:, 0, :3] - ARROW * ours.pushes[:, 0]
         stream.log("world/push", rr.Arrows3D.from_fields(colors=[(255, 60, 60)], radii=[0.006]), static=True)
         arrows = rr.Arrows3D.columns(vectors=ARROW * ours.pushes[:, 0], origins=places)
         stream.send_columns("world/push", ticks(len(places), tick), arrows)
@@ -75,7 +75,7 @@ def _log_world(stream: rr.RecordingStream, stands: Stands) -> None:
 def _log_pressure(stream: rr.RecordingStream, stands: Stands) -> None:
     tick, ours = stands.body.tick_s, stands.ours
     felt = stands.pressed(ours.loads[:, 0])
-    foretold, lean = (stands.sides * values[: len(felt), 0] for values in (ours.plan.expected, ours.plan.lean))
+    foretold, lean = (stands.sides * values[: len(felt), 0] for values in (ours.foretold, ours.plan.lean + ours.stays))
     for k in range(2):
         log_series(stream, f"pressure/{k}/felt", felt[:, k], tick, "felt", IMITATED)
         log_series(stream, f"pressure/{k}/foretold", foretold[:, k], tick, "foretold", ESTIMATED)

@@ -1,7 +1,9 @@
 """Twenty individuals on their feet: faster and faster, pushed, on slopes, laden; beside other ways to stand."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,149 +11,196 @@ from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.mind import Mind
 from experiments.gesture.options import Config
-from experiments.shared.standing import PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
-from experiments.shared.watching import Seen, watch
+from experiments.shared.judging import lately, rmse_deg
+from experiments.shared.minds import body_of
+from experiments.shared.parallel import in_parallel
+from experiments.shared.standing import LET_GO_S, PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
+from experiments.shared.watching import watch
 from imitation.acting.balancing import Balancer
-from imitation.acting.movement import Movement
 from models.body import SimulatedBody
 from models.hoap2 import facts
-from models.standing import Individuals, StandingBody
+from models.standing import Individuals
 
 SPEEDS, SEEDS, FIRST = (1.0, 1.5, 2.0, 2.5), 20, 1
 BUILT_IN = ("icub-reach", "human-raise", "g1-squat", "romeo-bow", "talos-salute")
-GAINS = [(kp, kd) for kp in (0.01, 0.02, 0.04, 0.08) for kd in (0.0, 0.002, 0.005, 0.01)]
+GAINS = np.array([(kp, kd) for kp in (0.01, 0.02, 0.04, 0.08) for kd in (0.0, 0.002, 0.005, 0.01)])
 """Of the ankle's PD, rad per unit of pressure and of its change per second; the best on `TRIED` is kept."""
 TRIED, PD_LIMIT, PD_SMOOTH = "icub-reach", np.deg2rad(15.0), 0.7
-IMPULSES = np.arange(0.8, 3.7, 0.4)
+WAYS = {
+    "ours": "Eq. (1), and what stays of what is felt",
+    "blind": "Eq. (1) alone",
+    "linear": "the line of the same experience, feeling as well",
+    "replay": "sub-goals simply sent, legs and all",
+    "pd": "an ankle that answers pressure, PD with its best gains",
+    "both": "Eq. (1), and the PD on top",
+}
+IMPULSES = np.arange(0.8, 4.5, 0.4)
 ANGLES = np.arange(8) * np.pi / 4
-PUSHED_AT_S, PUSHED_FOR_S = 2.0, 4.0
+PUSHED_AT_S, PUSHED_FOR_S = 2.5, 4.0
+PUSHED = ("ours", "blind", "replay", "pd")
 SQUAT_DEG, SQUAT_S = 110.0, 6.0
-LADEN_KG = 0.3
-
-
-class Study:
-    """One mind, many bodies."""
-
-    def __init__(self, config: Config, mind: Mind, hung: SimulatedBody, balance: Balance) -> None:
-        self.config, self.mind, self.hung, self.balance = config, mind, hung, balance
-        ours = Balancer(balance, config.balance_weight)
-        self.ways: dict[str, tuple[Balancer, bool]] = {
-            "ours": (ours, False), "linear": (Balancer(balance, linear=True), False), "replay": (ours, True),
-            "pd": (Balancer(balance, 0.0), False),
-        }  # fmt: skip
-        self.gains = np.array([GAINS[0]])
-        reach = self.moved(watch(TRIED, hung).angles, 2.0)
-        body = self.bodies(len(GAINS) * 2)
-        self.gains = np.repeat(GAINS, 2, 0)
-        done = self.perform(body, reach, "pd")
-        lasted = done.upright.sum(0).reshape(len(GAINS), 2).sum(1)
-        still = np.abs(balance.pressed(done.loads)).mean((0, 2)).reshape(len(GAINS), 2).sum(1)
-        self.gains = np.array([GAINS[int(np.lexsort((still, -lasted))[0])]])
-
-    def bodies(self, copies: int, **how: Any) -> StandingBody:
-        """Individuals that never learned."""
-        return standing_of(self.config, copies, FIRST, **how)
-
-    def moved(self, angles: FloatArray, speed: float) -> Movement:
-        """Joint angles so many times as fast."""
-        return paced(angles, speed, self.hung)
-
-    def pd(self, tick_s: float) -> Reflex:
-        """An ankle that answers pressure and its change, at `gains` (1 or B, 2)."""
-        past: list[FloatArray] = []
-
-        def reflex(number: int, loads: FloatArray, gyro: FloatArray) -> FloatArray:
-            felt = self.balance.pressed(loads)
-            smooth = felt if not past else PD_SMOOTH * past[-1] + (1 - PD_SMOOTH) * felt
-            change = (smooth - past[-1]) / tick_s if past else np.zeros_like(felt)
-            past.append(smooth)
-            gains = self.gains[:, :, None]
-            return np.asarray(np.clip(-gains[:, 0] * smooth - gains[:, 1] * change, -PD_LIMIT, PD_LIMIT))
-
-        return reflex
-
-    def perform(
-        self, body: StandingBody, movement: Movement, who: str, push: Callable[[float], FloatArray] | None = None
-    ) -> Performance:
-        """Everybody does the same movement in one of the ways."""
-        balancer, replay = self.ways[who]
-        reflex = self.pd(body.tick_s) if who == "pd" else None
-        return perform(body, self.hung, self.mind, movement, balancer, replay=replay, reflex=reflex, push=push)
-
-    def impulses(self, movement: Movement, who: str, at_s: float) -> list[float]:
-        """(8,) N s in each direction that half of the runs survive: pushes of all sizes, one individual each."""
-        direction, size = (grid.ravel() for grid in np.meshgrid(ANGLES, IMPULSES, indexing="ij"))
-        force = np.stack([np.cos(direction), np.sin(direction), 0 * direction], 1) * size[:, None] / PUSH_S
-        done = self.perform(self.bodies(len(size)), movement, who, shove(force, at_s))
-        step = IMPULSES[1] - IMPULSES[0]
-        survived = (~done.fell).reshape(len(ANGLES), len(IMPULSES)).sum(1)
-        return [float(s) for s in IMPULSES[0] - step + step * survived]
-
-
-def study(
-    config: Config, mind: Mind, hung: SimulatedBody, balance: Balance, seen: Seen, report: Callable[[float], None]
-) -> dict[str, Any]:
-    """The study's part of metrics.json: `falls` and `runs` by way and speed, `falls_by_clip`, `hardships`, and
-    `push_impulse_ns` in eight directions."""
-    judge = Study(config, mind, hung, balance)
-    clips: Mapping[str, FloatArray] = {clip: watch(clip, hung).angles for clip in config.clips or BUILT_IN}
-    falls = {who: {f"{speed:g}": 0 for speed in SPEEDS} for who in judge.ways}
-    by_clip: dict[str, dict[str, dict[str, int]]] = {who: {clip: {} for clip in clips} for who in judge.ways}
-    total, done = len(judge.ways) * len(SPEEDS) * len(clips) + 14, 0
-
-    def tell() -> None:
-        nonlocal done
-        done += 1
-        report(done / total)
-
-    for clip, angles in clips.items():
-        for speed in SPEEDS:
-            for who in judge.ways:
-                fell = int(judge.perform(judge.bodies(SEEDS), judge.moved(angles, speed), who).fell.sum())
-                falls[who][f"{speed:g}"] += fell
-                by_clip[who][clip][f"{speed:g}"] = fell
-                tell()
-    first = next(iter(clips.values()))
-    hard: dict[str, dict[str, int]] = {name: {} for name in HARDSHIPS}
-    for name, how in HARDSHIPS.items():
-        for who in ("ours", "linear"):
-            body = judge.bodies(SEEDS, **how)
-            if name == "laden":
-                for hand in ("left_hand", "right_hand"):
-                    body.carry(LADEN_KG, hand)
-            hard[name][who] = int(judge.perform(body, judge.moved(first, 1.0), who).fell.sum())
-        tell()
-    hard["squat"] = {
-        who: int(judge.perform(judge.bodies(SEEDS), judge.moved(squat(hung), 1.0), who).fell.sum())
-        for who in ("ours", "linear")
-    }
-    tell()
-    still = np.repeat(resting(hung)[None], round(PUSHED_FOR_S / hung.tick_s), 0)
-    moving = first[: round(PUSHED_FOR_S / hung.tick_s)]
-    pushes: dict[str, dict[str, list[float]]] = {"moving": {}, "at rest": {}}
-    for who in ("ours", "replay", "pd"):
-        pushes["moving"][who] = judge.impulses(judge.moved(moving, 1.0), who, PUSHED_AT_S)
-        pushes["at rest"][who] = judge.impulses(judge.moved(still, 1.0), who, PUSHED_AT_S)
-        tell()
-    return {
-        "falls": falls,
-        "runs": {who: {f"{speed:g}": SEEDS * len(clips) for speed in SPEEDS} for who in judge.ways},
-        "falls_by_clip": by_clip,
-        "hardships": hard,
-        "hardship_runs": SEEDS,
-        "push_impulse_ns": pushes,
-        "pd_gains": judge.gains[0].tolist(),
-    }
-
-
 HARDSHIPS: Mapping[str, Mapping[str, Any]] = {
     "downhill 4 deg": {"tilt_deg": (4.0, 0.0)},
     "uphill 4 deg": {"tilt_deg": (-4.0, 0.0)},
     "across 4 deg": {"tilt_deg": (0.0, 4.0)},
+    "downhill 5.5 deg": {"tilt_deg": (5.5, 0.0)},
+    "uphill 5.5 deg": {"tilt_deg": (-5.5, 0.0)},
     "friction 0.5": {"individuals": Individuals(friction=(0.5, 0.5))},
     "masses 20 % off": {"individuals": Individuals(masses=0.2)},
-    "laden": {},
+    "0.3 kg a hand": {"kg": 0.3},
+    "0.6 kg a hand": {"kg": 0.6},
 }
+FACING, FACED_S = ("ours", "blind", "linear"), 12.0
+"""Who does how much of the first demonstration there."""
+ONCE = {"blind": 1.5, "both": 1.5}
+"""Ways that are tried at one speed."""
+
+
+class Cell(NamedTuple):
+    """What twenty individuals, or one for every push, do."""
+
+    who: str
+    show: str
+    speed: float = 1.0
+    hardship: str = ""
+    pushed: bool = False
+
+
+class Tried(NamedTuple):
+    """How it went; B copies."""
+
+    fell: list[bool]
+    error_deg: list[float | None]
+    """Of joints that do not carry, at ticks at which nothing touches."""
+    touching: float
+    """Share of ticks."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """One mind, many bodies."""
+
+    config: Config
+    mind: Mind
+    balance: Balance
+    shows: Mapping[str, FloatArray]
+    """(T, J) joint angles of everything that is done."""
+    gains: FloatArray
+    """(1 or B, 2) of the PD."""
+
+    def reflex(self, tick_s: float) -> Reflex:
+        """An ankle that answers pressure and its change."""
+        past: list[FloatArray] = []
+
+        def answer(number: int, loads: FloatArray, gyro: FloatArray) -> FloatArray:
+            felt = self.balance.pressed(loads)
+            smooth = felt if not past else PD_SMOOTH * past[-1] + (1 - PD_SMOOTH) * felt
+            change = (smooth - past[-1]) / tick_s if past else np.zeros_like(felt)
+            past[:] = [smooth]
+            gains = self.gains[:, :, None]
+            return np.asarray(np.clip(-gains[:, 0] * smooth - gains[:, 1] * change, -PD_LIMIT, PD_LIMIT))
+
+        return answer
+
+    def perform(self, cell: Cell, copies: int, push: Callable[[float], FloatArray] | None = None) -> Performance:
+        """Individuals that never learned do what the cell says."""
+        how = dict(HARDSHIPS.get(cell.hardship, {}))
+        kg, hung, who = how.pop("kg", 0.0), body_of(self.config, 1, stream=3), cell.who
+        body = standing_of(self.config, copies, FIRST, **how)
+        for hand in ("left_hand", "right_hand") if kg else ():
+            body.carry(kg, hand)
+        movement = paced(self.shows[cell.show], cell.speed, hung)
+        balancer = Balancer(self.balance, 0.0 if who == "pd" else self.config.balance_weight, linear=who == "linear")
+        reflex = self.reflex(body.tick_s) if who in ("pd", "both") else None
+        feels, replay = who in ("ours", "linear"), who == "replay"
+        return perform(
+            body, hung, self.mind, movement, balancer, replay=replay, feels=feels, reflex=reflex, push=push
+        )  # fmt: skip
+
+
+def prepared(config: Config, mind: Mind, balance: Balance, hung: SimulatedBody, own: FloatArray) -> Study:
+    """All that is done, (T, J) `own` demonstration included; and the PD's best gains: who stands longest, and of those
+    the stillest."""
+    clips = {clip: watch(clip, hung).angles for clip in config.clips or BUILT_IN}
+    shows = {**clips, TRIED: watch(TRIED, hung).angles, "squat": squat(hung), config.demonstration: own}
+    shows["at rest"] = np.repeat(resting(hung)[None], round((PUSHED_AT_S + PUSHED_FOR_S) / hung.tick_s), 0)
+    shows["begin"] = next(iter(clips.values()))[: round(FACED_S / hung.tick_s)]
+    shows["moving"] = next(iter(clips.values()))[: round((PUSHED_AT_S + PUSHED_FOR_S / 2) / hung.tick_s)]
+    study = Study(replace(config, threads=1), mind, balance, shows, GAINS[:1])
+    each = replace(study, gains=np.repeat(GAINS, 2, 0))
+    done = each.perform(Cell("pd", TRIED, 2.0), 2 * len(GAINS))
+    lasted = done.upright.sum(0).reshape(-1, 2).sum(1)
+    still = np.abs(balance.pressed(done.loads)).mean((0, 2)).reshape(-1, 2).sum(1)
+    return replace(study, gains=GAINS[[int(np.lexsort((still, -lasted))[0])]])
+
+
+def tried(cell: Cell, study: Study) -> Tried:
+    """Do it, judge it. Pushed, every copy gets another push: all directions, all sizes."""
+    push, copies = None, SEEDS
+    if cell.pushed:
+        direction, size = (grid.ravel() for grid in np.meshgrid(ANGLES, IMPULSES, indexing="ij"))
+        force = np.stack([np.cos(direction), np.sin(direction), 0 * direction], 1) * size[:, None] / PUSH_S
+        push, copies = shove(force, PUSHED_AT_S), len(size)
+    done = study.perform(cell, copies, push)
+    fell, judge = done.fell.tolist(), standing_of(study.config, 1, 0)
+    if cell.pushed or cell.who != "ours" or cell.hardship or cell.speed != 1:
+        return Tried(fell, [], 0.0)
+    wanted = study.shows[cell.show]
+    during = slice(done.first, done.first + len(wanted))
+    labels = [judge.sense_labels[line] for line in study.mind.pilot.schema.posture]
+    free = np.array([joint in labels and not study.balance.carries[labels.index(joint)] for joint in judge.joints])
+    errors, touched = [], []
+    for copy in range(copies):
+        touching = judge.touching(done.configurations[during, copy])
+        ticks = done.upright[during, copy] & ~lately(touching, LET_GO_S / judge.tick_s)
+        found = rmse_deg(done.angles[during, copy][ticks][:, free], wanted[ticks][:, free]) if ticks.any() else None
+        errors.append(found)
+        touched.append(touching.mean())
+    return Tried(fell, errors, float(np.mean(touched)))
+
+
+def study(whole: Study, workers: int) -> dict[str, Any]:
+    """The study's part of metrics.json: `falls` and `runs` by way and speed, `falls_by_clip`, `hardships`,
+    `joint_rmse_free_deg` by clip and individual, and `push_impulse_ns` in eight directions."""
+    clips = whole.config.clips or BUILT_IN
+    paces = {who: (ONCE[who],) if who in ONCE else SPEEDS for who in WAYS}
+    cells = [Cell(who, clip, speed) for clip in clips for who in WAYS for speed in paces[who]]
+    cells += [Cell(who, "begin", hardship=one) for one in HARDSHIPS for who in FACING]
+    cells += [Cell(who, "squat") for who in FACING]
+    cells += [Cell(who, when, pushed=True) for when in ("moving", "at rest") for who in PUSHED]
+    found = in_parallel(partial(tried, study=whole), cells, workers, "twenty individuals")
+    results = dict(zip(cells, found, strict=True))
+
+    def fell(who: str, shows: Sequence[str], speed: float) -> int:
+        return sum(sum(results[Cell(who, show, speed)].fell) for show in shows)
+
+    return {
+        "falls": {who: {f"{speed:g}": fell(who, clips, speed) for speed in paces[who]} for who in WAYS},
+        "runs": {who: {f"{speed:g}": SEEDS * len(clips) for speed in paces[who]} for who in WAYS},
+        "falls_by_clip": {
+            who: {clip: {f"{speed:g}": fell(who, [clip], speed) for speed in paces[who]} for clip in clips}
+            for who in WAYS
+        },
+        "joint_rmse_free_deg": {clip: results[Cell("ours", clip)].error_deg for clip in clips},
+        "touching_share": {clip: results[Cell("ours", clip)].touching for clip in clips},
+        "hardships": {
+            **{one: {who: sum(results[Cell(who, "begin", hardship=one)].fell) for who in FACING} for one in HARDSHIPS},
+            "squat, knees 110 deg": {who: fell(who, ["squat"], 1.0) for who in FACING},
+        },
+        "hardship_runs": SEEDS,
+        "push_impulse_ns": {
+            when: {who: survived(results[Cell(who, when, pushed=True)].fell) for who in PUSHED}
+            for when in ("moving", "at rest")
+        },
+        "pd_gains": whole.gains[0].tolist(),
+    }
+
+
+def survived(fell: Sequence[bool]) -> list[float]:
+    """(8,) N s in each direction that half of the runs survive."""
+    step = IMPULSES[1] - IMPULSES[0]
+    stood = (~np.array(fell)).reshape(len(ANGLES), len(IMPULSES)).sum(1)
+    return [float(impulse) for impulse in IMPULSES[0] - step + step * stood]
 
 
 def resting(hung: SimulatedBody) -> FloatArray:

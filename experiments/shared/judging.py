@@ -108,3 +108,8 @@ def alike(one: tuple[int, int], other: tuple[int, int], margin: float) -> float:
     """p of two shares (hits, count) being further apart than `margin`: two one-sided tests (Schuirmann 1987)."""
     gap, error = difference(one, other)
     return float(max(norm.sf((gap + margin) / error), norm.cdf((gap - margin) / error)))
+
+
+def lately(happened: BoolArray, ticks: float) -> BoolArray:
+    """(T,) where it happens, or did at most so many ticks ago."""
+    return np.convolve(happened, np.ones(round(ticks) + 1))[: len(happened)] > 0

@@ -1,5 +1,6 @@
 """On one's own feet: the body that stands, how it learns balance, and how it imitates there."""
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -12,7 +13,7 @@ from babbling.exploration import MotorRange, smooth
 from babbling.kalman import Belief
 from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
-from imitation.acting.balancing import Balancer, Plan
+from imitation.acting.balancing import Balancer, Feeling, Plan
 from imitation.acting.loop import Imitator
 from imitation.acting.movement import Movement, slowed
 from models.body import SimulatedBody
@@ -27,7 +28,7 @@ STAGES = (0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the joints' ranges that it moves over, one stage after the other."""
 WIGGLE, EXPLORE = np.deg2rad(2.5), np.deg2rad(2.0)
 """How far every joint, then every offset, is moved at random, rad."""
-PACE = 1.5
+PACE = 1.0
 """Top speed of moving about, rad/s."""
 GENTLY = 0.2
 """The same of wiggling."""
@@ -35,6 +36,8 @@ QUIET = 0.3
 """Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
 BEFORE_S = 0.3
 """What comes so shortly before a fall is part of it."""
+LET_GO_S = 0.1
+"""What touched comes free within that; until then it counts as touching."""
 USUAL = 3.0
 """Standard deviations of a joint's bias on the stand."""
 LEARNERS = 100_000
@@ -186,7 +189,7 @@ class Performance:
     angles: FloatArray
     """(T, B, J) true joint angles."""
     configurations: FloatArray
-    """(T, nq) of copy 0."""
+    """(T, B, nq)."""
     loads: FloatArray
     """(T, B, L)."""
     upright: BoolArray
@@ -195,6 +198,14 @@ class Performance:
     """Tick at which the movement itself begins."""
     pushes: FloatArray
     """(T, B, 3) N."""
+    foretold: FloatArray
+    """(T, B, 2) pressure of each posture once settled, what stays of what was felt included."""
+    stays: FloatArray
+    """(T, B, 2) see `Feeling`."""
+    resisted: BoolArray
+    """(T, B, F) see `bounded`."""
+    choice_s: FloatArray
+    """(T - 1,) wall time of choosing for all joints of all copies."""
 
     @property
     def fell(self) -> BoolArray:
@@ -202,12 +213,13 @@ class Performance:
         return np.asarray(~self.upright[-1])
 
 
-def bounded(belief: Belief, mind: Mind) -> Belief:
-    """A bias no larger than babbling on the stand has shown: more is something in the way, no reason to push harder."""
+def bounded(belief: Belief, mind: Mind) -> tuple[Belief, BoolArray]:
+    """A bias no larger than babbling on the stand has shown; and (B, F) where there would be more: there something is
+    in the way, no reason to push harder."""
     most = USUAL * np.sqrt(mind.pilot.dynamics.bias_variance)
     mean = belief.mean.copy()
     mean[..., 2] = np.clip(mean[..., 2], -most, most)
-    return Belief(mean, belief.covariance)
+    return Belief(mean, belief.covariance), np.abs(belief.mean[..., 2]) > most
 
 
 Reflex = Callable[[int, FloatArray, FloatArray], FloatArray]
@@ -224,6 +236,7 @@ def perform(
     balancer: Balancer,
     *,
     replay: bool = False,
+    feels: bool = True,
     reflex: Reflex | None = None,
     push: Callable[[float], FloatArray] | None = None,
 ) -> Performance:
@@ -236,6 +249,7 @@ def perform(
         movement: sub-goals, in the senses of the stand.
         balancer: plans.
         replay: the peer: sub-goals are simply sent, legs and all.
+        feels: whether what is felt beyond what was foretold is heeded.
         reflex: another peer: something is done about what is felt.
         push: (B, 3) N at so many seconds of the movement.
     """
@@ -250,26 +264,37 @@ def perform(
     if replay:
         plan = plan._replace(postures=state.targets[:, :1], planned=state.targets[:, :1], offset=0 * plan.offset)
     state = state._replace(targets=fixed(np.repeat(plan.postures, body.copies, 1)))
+    feeling = Feeling(balancer, plan, body.copies)
     rng, first = np.random.default_rng(0), state.left - len(senses)
     rows: list[Sequence[FloatArray | BoolArray]] = []
+    choices, resisted = list[float](), np.zeros((body.copies, len(known.carries)), bool)
     while True:
         number, force = state.tick, np.zeros((body.copies, 3))
         if push is not None:
             force[:] = push((number - first) * tick)
             body.push(force)
         loads = body.senses.read(felt, "touch")
-        rows.append((body.joint_angles.copy(), body.configuration[0], loads, ~body.fallen, force))
+        stays = feeling.stays.copy()
+        rows.append((body.joint_angles.copy(), body.configuration, loads, ~body.fallen, force, stays, resisted))
         if not state.left:
             break
-        command = state.targets[number + 1]
-        if replay:
+        command, clock = state.targets[number + 1], time.perf_counter()
+        if replay or body.fallen.all():
             state = state._replace(tick=number + 1)
         else:
             state, _, info = imitator.step(state, joints.felt(felt), rng)
-            state = state._replace(belief=bounded(state.belief, mind))
+            belief, resisted = bounded(state.belief, mind)
+            state = state._replace(belief=belief)
+            if feels:
+                command = command + feeling(loads) @ known.synergy
             if reflex is not None:
                 command = command + reflex(number, loads, body.senses.read(felt, "gyro")[:, 0]) @ known.synergy
             command = np.where(carries, command, info.commands)
+        choices.append(time.perf_counter() - clock)
         felt = body.act(schema.motors(np.clip(command, *mind.pilot.ends.T)))
-    angles, configurations, loads, upright, pushes = (np.array(part) for part in zip(*rows, strict=True))
-    return Performance(plan, angles, configurations, loads, upright, first, pushes)
+    angles, configurations, loads, upright, pushes, stays, met = (np.array(part) for part in zip(*rows, strict=True))
+    foretold = np.broadcast_to(plan.expected, (len(rows), body.copies, 2)).copy()
+    foretold[1 : len(feeling.expected) + 1] = np.array(feeling.expected).reshape(-1, body.copies, 2)
+    return Performance(
+        plan, angles, configurations, loads, upright, first, pushes, foretold, stays, met, np.array(choices)
+    )  # fmt: skip

@@ -4,8 +4,9 @@
 
 The second term is what an offset costs: N(a; 0, MATCH^2), for the teacher showed none. The first is the table of
 `babbling.balance`, w how much more it counts. A bow takes the centre of mass past the toes within a few tenths of a
-second, and pressure goes the wrong way first: what was planned is therefore read one tick ahead, and nothing is undone
-after it was felt. Joints that carry the body follow the teacher as far as both soles stay flat.
+second, and pressure goes the wrong way first: what was planned is therefore read one tick ahead. What is felt beyond
+what was foretold comes too late for that; but what of it stays (a slope, a load) is as if one leaned so much more, and
+Eq. (1) is asked again (`Feeling`). Joints that carry the body follow the teacher as far as both soles stay flat.
 """
 
 from typing import NamedTuple
@@ -14,7 +15,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from babbling.axes import Axis, FloatArray
-from babbling.balance import Balance
+from babbling.balance import SETTLED, Balance
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
 
 MATCH = 0.3
@@ -31,6 +32,10 @@ SMOOTH = 2.5
 """Ticks: an offset changes no faster than pressure settles."""
 BEGIN = 25
 """Ticks over which the offset is taken up at first."""
+STAYS = 100.0
+"""Ticks over which what stays is told from what passes. Pressure goes the wrong way first: at 30 it shakes itself."""
+MOST = 1.0
+"""Units of pressure; more of it cannot be stood."""
 
 
 class Plan(NamedTuple):
@@ -71,8 +76,8 @@ class Balancer:
         table = self.balance.forward_model
         return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), np.zeros_like(lean), self.weight)]
 
-    def offsets(self, lean: FloatArray) -> FloatArray:
-        """(T, B, 2) offsets for (T, B, 2) leans, one tick ahead."""
+    def choose(self, lean: FloatArray) -> FloatArray:
+        """(..., 2) offsets by Eq. (1) for (..., 2) leans."""
         if not self.weight:
             return np.zeros_like(lean)
         if self.inverse is None:
@@ -80,8 +85,19 @@ class Balancer:
         else:
             rows = lean.reshape(-1, 2)
             chosen = self.inverse.choose(self.terms(rows), np.random.default_rng(0)).action.reshape(lean.shape)
-        chosen = np.clip(chosen, *_ends(self.balance.forward_model.action))
-        smooth = gaussian_filter1d(chosen, SMOOTH, axis=0, mode="nearest")
+        return np.clip(chosen, *_ends(self.balance.forward_model.action))
+
+    def expect(self, lean: FloatArray, offset: FloatArray) -> FloatArray:
+        """(..., 2) pressure, once settled, of (..., 2) leans and offsets."""
+        if self.inverse is None:
+            return np.asarray(lean + offset @ self.gains.T)
+        table = self.balance.forward_model
+        context, action = np.clip(lean, *_ends(table.contexts[0])), np.clip(offset, *_ends(table.action))
+        return self.inverse.expect((context.reshape(-1, 2),), action.reshape(-1, 2)).reshape(lean.shape)
+
+    def offsets(self, lean: FloatArray) -> FloatArray:
+        """(T, B, 2) offsets for (T, B, 2) leans, one tick ahead."""
+        smooth = gaussian_filter1d(self.choose(lean), SMOOTH, axis=0, mode="nearest")
         begin = np.minimum(np.arange(len(lean)) / BEGIN, 1)[:, None, None]
         return np.asarray(np.concatenate([smooth[1:], smooth[-1:]]) * begin)
 
@@ -90,13 +106,7 @@ class Balancer:
         planned = self.follow(targets)
         lean = self.balance.leaning(planned)
         offset = self.offsets(lean) + explore
-        expected = lean + offset @ self.gains.T
-        if self.inverse is not None:
-            table = self.balance.forward_model
-            context = np.clip(lean, *_ends(table.contexts[0])).reshape(-1, 2)
-            action = np.clip(offset, *_ends(table.action)).reshape(-1, 2)
-            expected = self.inverse.expect((context,), action).reshape(lean.shape)
-        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected)
+        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, self.expect(lean, offset))
 
     def follow(self, targets: FloatArray) -> FloatArray:
         """(T, B, F) what of postures can be done on both soles; of what carries, only as much as leans little."""
@@ -113,6 +123,36 @@ class Balancer:
         """(2, 2) pressure per rad of offset, as wiggling found it."""
         known = self.balance
         return np.asarray(known.pressing @ known.effects @ known.synergy.T)
+
+
+class Feeling:
+    """What pressure says beyond what was foretold of it, tick by tick.
+
+    Args:
+        balancer: who planned.
+        plan: what, T ticks of B copies, or of one for all.
+        copies: B.
+    """
+
+    def __init__(self, balancer: Balancer, plan: Plan, copies: int) -> None:
+        self.balancer, self.plan = balancer, plan
+        self.stays = np.zeros((copies, 2))
+        """(B, 2) units of pressure by which one seems to lean more than planned."""
+        self.expected = list[FloatArray]()
+        """Of every tick so far, (B, 2) pressure foretold of it once settled."""
+
+    def __call__(self, loads: FloatArray) -> FloatArray:
+        """(B, 2) rad of offset beside the plan's, for the next command; (B, L) loads are those before it."""
+        balance, tick = self.balancer.balance, len(self.expected)
+        if tick >= SETTLED + BEGIN:
+            on_soles = loads.sum(-1, keepdims=True) > balance.weight / 2
+            beyond = balance.pressed(loads) - self.expected[tick - SETTLED]
+            self.stays = np.clip(self.stays + on_soles * np.clip(beyond, -MOST, MOST) / STAYS, -MOST, MOST)
+        after = min(tick + 1, len(self.plan.lean) - 1)
+        lean, offset = (np.broadcast_to(part[after], self.stays.shape) for part in (self.plan.lean, self.plan.offset))
+        more = self.balancer.choose(lean + self.stays) - self.balancer.choose(lean)
+        self.expected.append(self.balancer.expect(lean + self.stays, offset + more))
+        return more
 
 
 def _ends(axis: Axis) -> tuple[FloatArray, FloatArray]:

@@ -25,6 +25,10 @@ from imitation.errors import ImitationError
 from imitation.inference.inverse import Term
 from imitation.inference.moving import AveragedInverse, Here, MovingInverse
 
+FARTHEST = 16.0
+"""Standard deviations of what babbling did beside its habit: no command is further from the believed posture. Knocked
+out of its way, a joint would otherwise be told what no line foretells, and swing for a second."""
+
 
 class State(NamedTuple):
     """All that the next step needs; never changed, so that a step can be taken again or another way."""
@@ -123,6 +127,7 @@ class Imitator:
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
         self.terms = terms
         self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics)
+        self.farthest = FARTHEST * mind.forward_model.habit[1]
 
     def start(self, senses: FloatArray, aim: ArrayLike = 0.0) -> State:
         """At rest, feeling (B, S): every copy's own way into the movement.
@@ -168,6 +173,7 @@ class Imitator:
         clock = time.perf_counter() - clock
         # beyond its ends the drive would cut it, and the belief would be told of a command that was never sent
         command = np.clip(posture + choice.action, *self.mind.pilot.ends.T)
+        command = np.clip(command, belief.mean[..., 0] - self.farthest, belief.mean[..., 0] + self.farthest)
         nothing = np.zeros((*rate.shape, 0))
         really = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
         predicted = self.estimate.predict(belief, command, self.inverse.expect(really, command))

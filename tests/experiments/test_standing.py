@@ -7,9 +7,19 @@ import pytest
 
 import experiments.shared.standing as standing
 from babbling.balance import Balance
+from babbling.kalman import Belief
 from babbling.mind import Mind, learn
 from experiments.shared.options import BodyOptions
-from experiments.shared.standing import Joints, Learner, Performance, learn_balance, perform, standing_of, wander
+from experiments.shared.standing import (
+    Joints,
+    Learner,
+    Performance,
+    bounded,
+    learn_balance,
+    perform,
+    standing_of,
+    wander,
+)
 from imitation.acting.balancing import Balancer, Plan
 from imitation.acting.movement import Movement
 from models.body import SimulatedBody
@@ -151,10 +161,10 @@ def test_what_carries_does_what_was_planned_and_the_rest_follows_eq_1(
     balance: Balance, mind: Mind, hung: SimulatedBody
 ) -> None:
     body, movement = listened(), raise_arms(hung)
-    done = perform(body, hung, mind, movement, Balancer(balance))
+    done = perform(body, hung, mind, movement, Balancer(balance), feels=False)
     ticks, carries = len(done.angles), balance.carries > 0
     assert done.angles.shape == (ticks, 2, 25) and done.loads.shape == (ticks, 2, 8)
-    assert done.configurations.shape == (ticks, body.model.nq) and done.pushes.shape == (ticks, 2, 3)
+    assert done.configurations.shape == (ticks, 2, body.model.nq) and done.pushes.shape == (ticks, 2, 3)
     assert done.upright.shape == (ticks, 2) and not done.fell.any() and not done.pushes.any()
     resting = round(standing.REST_S / body.tick_s)
     assert ticks - 1 == len(body.sent) == done.first + len(movement.senses) + resting
@@ -189,8 +199,8 @@ def test_a_push_acts_when_it_should_and_a_reflex_is_told_what_is_felt(
 
     body, still = listened(), listened()
     balancer, movement = Balancer(balance), raise_arms(hung)
-    done: Performance = perform(body, hung, mind, movement, balancer, reflex=reflex, push=push)
-    perform(still, hung, mind, movement, balancer)
+    done: Performance = perform(body, hung, mind, movement, balancer, feels=False, reflex=reflex, push=push)
+    perform(still, hung, mind, movement, balancer, feels=False)
     at = np.flatnonzero(done.pushes[:, 0, 0])
     assert at.tolist() == list(range(done.first + 5, done.first + 10))
     np.testing.assert_array_equal(done.pushes[at], np.tile([[5.0, 0, 0], [0, -5.0, 0]], (5, 1, 1)))
@@ -203,3 +213,49 @@ def test_a_push_acts_when_it_should_and_a_reflex_is_told_what_is_felt(
     np.testing.assert_allclose(
         more, np.tile([0.02, -0.01] @ balance.synergy / schema.slope, (*more.shape[:2], 1))[..., carries], atol=1e-9
     )
+
+
+def test_what_stays_of_what_is_felt_is_answered_and_foretold(balance: Balance, mind: Mind, hung: SimulatedBody) -> None:
+    slope = standing_of(OPTIONS, 2, 7, tilt_deg=(2.0, 0.0))
+    done = perform(slope, hung, mind, raise_arms(hung, 3.0), Balancer(balance))
+    blind = perform(slope, hung, mind, raise_arms(hung, 3.0), Balancer(balance), feels=False)
+    off = [np.abs(balance.pressed(one.loads[-20:])[..., 0].mean(0)) for one in (done, blind)]
+    assert (off[0] < 0.8 * off[1]).all() and not blind.stays.any() and np.ptp(done.stays[-1, :, 0]) < 0.05
+    downhill = np.sign(blind.stays[-1, :, 0] + balance.pressed(blind.loads[-1])[:, 0] - blind.foretold[-1, :, 0])
+    assert (np.sign(done.stays[-1, :, 0]) == downhill).all()
+    assert done.foretold.shape == done.stays.shape == (len(done.loads), 2, 2)
+    np.testing.assert_array_equal(blind.foretold[0], np.repeat(blind.plan.expected[0], 2, 0))
+
+
+def test_a_bias_beyond_what_babbling_showed_is_something_in_the_way(mind: Mind) -> None:
+    usual = np.sqrt(mind.pilot.dynamics.bias_variance)
+    mean = np.zeros((2, len(usual), 3))
+    mean[0, :, 2], mean[1, 3, 2] = 0.9 * standing.USUAL * usual, -1.1 * standing.USUAL * usual[3]
+    belief, resisted = bounded(Belief(mean, np.zeros((len(usual), 3, 3))), mind)
+    np.testing.assert_array_equal(belief.mean[0], mean[0])
+    np.testing.assert_allclose(belief.mean[1, 3], [0, 0, -standing.USUAL * usual[3]])
+    assert np.argwhere(resisted).tolist() == [[1, 3]]
+
+
+def test_who_holds_an_arm_is_noticed_and_lets_go(balance: Balance, mind: Mind, hung: SimulatedBody) -> None:
+    """A gear that locks and is mended: felt as resistance while it lasts; afterwards it catches up without swinging."""
+    body, joint = standing_of(OPTIONS, 1, 7), "left_arm_joint_1"
+    held = standing_of(OPTIONS, 1, 7)
+    line = [body.sense_labels[i] for i in mind.pilot.schema.posture].index(joint)
+    original, tick = held.act, 0
+
+    def act(motors: np.ndarray) -> np.ndarray:
+        nonlocal tick
+        tick += 1
+        if tick == 40:
+            held.jam(joint)
+        elif tick == 80:
+            held.mend()
+        return original(motors)
+
+    held.act = act  # type: ignore[method-assign]
+    movement, balancer = raise_arms(hung, 2.5), Balancer(balance)
+    done = [perform(one, hung, mind, movement, balancer) for one in (body, held)]
+    assert not done[0].resisted[..., line].any() and done[1].resisted[66:79, 0, line].all()
+    after = np.rad2deg(np.abs(done[1].angles - done[0].angles)[:, 0, body.joints.index(joint)])
+    assert after[78] > 3 and after[95:].max() < 0.3

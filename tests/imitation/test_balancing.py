@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from babbling.balance import Balance
-from imitation.acting.balancing import BEGIN, MATCH, Balancer
+from babbling.balance import SETTLED, Balance
+from experiments.gesture.options import Config
+from imitation.acting.balancing import BEGIN, MATCH, MOST, STAYS, WEIGHT, Balancer, Feeling
 from imitation.acting.balancing import LEANS as LEANS_MOST
 from tests.babbling import soles
 from tests.babbling.soles import COUNT, HOME, PRESSURE, TICK
@@ -145,3 +146,50 @@ def test_offsets_are_taken_up_gradually_and_stay_on_the_axis(stood: Balance, wig
         axis = balance.forward_model.action
         assert (np.abs(far) <= axis.high + 1e-12).all() and np.isfinite(far).all()
     assert TICK * BEGIN == pytest.approx(0.5)
+
+
+def felt(balance: Balance, pressure: np.ndarray) -> np.ndarray:
+    """(..., L) loads of pressures (..., 2): as at rest, and so much more."""
+    usual = np.full(balance.pressing.shape[1], 1 / balance.pressing.shape[1])
+    split = usual + (pressure - balance.pressing @ usual) @ np.linalg.pinv(balance.pressing).T
+    return balance.weight * split
+
+
+def test_what_stays_of_pressure_is_found_whatever_is_done_about_it(stood: Balance) -> None:
+    """A constant push on the pressure, in a world as foretold but for it: what stays comes to it with time constant
+    STAYS, and pressure to 0."""
+    balancer, pushed = Balancer(stood), np.array([[0.3, -0.2], [0.0, 0.0]])
+    plan = balancer.plan(np.repeat(HOME[None], 5000, 0)[:, None])
+    feeling, coming, gone = Feeling(balancer, plan, 2), [np.zeros((2, 2))] * SETTLED, []
+    for _ in range(900):
+        feeling(felt(stood, coming[-SETTLED]))
+        coming.append(feeling.expected[-1] - feeling.stays + pushed)  # what was foretold counts what stays
+        gone.append(feeling.stays.copy())
+    away = pushed[0] - np.array(gone)[:, 0]
+    lasted = away[SETTLED + BEGIN + round(STAYS) + 3] / pushed[0]
+    np.testing.assert_allclose(lasted, np.exp(-1), atol=0.05)
+    np.testing.assert_allclose(gone[-1], pushed, atol=0.01)
+    np.testing.assert_allclose(coming[-1], 0, atol=0.03)
+
+
+def test_in_the_air_nothing_is_felt_and_nothing_stays_beyond_the_soles(stood: Balance) -> None:
+    balancer = Balancer(stood)
+    plan = balancer.plan(np.repeat(HOME[None], 400, 0)[:, None])
+    feeling = Feeling(balancer, plan, 2)
+    for _ in range(390):
+        feeling(felt(stood, np.array([[0.9, 0.9], [0.9, 0.9]])) * np.array([[1.0], [0.4]]))
+    assert (feeling.stays[0] > 0.5).all() and (feeling.stays <= MOST).all() and not feeling.stays[1].any()
+
+
+def test_as_foretold_nothing_is_added(stood: Balance) -> None:
+    balancer = Balancer(stood)
+    plan = balancer.plan(moving(5, 1))
+    feeling = Feeling(balancer, plan, 3)
+    for tick in range(len(plan.lean) - 1):
+        then = plan.expected[max(0, tick - SETTLED + 1)]
+        more = feeling(felt(stood, np.repeat(then, 3, 0)))
+        np.testing.assert_allclose(more, 0, atol=1e-9)
+
+
+def test_the_option_and_the_law_agree_on_how_much_balance_counts() -> None:
+    assert Config().balance_weight == WEIGHT
