@@ -52,6 +52,8 @@ NOISES = 12.0
 STRAIN = 0.1
 """rad in a synergy that are worth one less of the greatest change of a load's share beside pressure, in units of the
 greatest that pressure brings."""
+FEW = 0.05
+"""Pairs with less than this share of the strongest, in both synergies, have no part in them."""
 STRENGTH = 30.0
 """Pseudo-counts of the table's linear-Gaussian prior."""
 LEAN, OFFSET, CELLS = 4.0, 0.5, (65, 65, 31)
@@ -155,6 +157,10 @@ class Balance(OfOneBody):
     """Body time of rocking, wiggling and every further stage."""
     falls: Annotated[FloatArray, Numbers("stage", low=0)]
     """How often it fell meanwhile."""
+    there: Annotated[FloatArray, Numbers("side direction")]
+    """(2, 2) sub-goals of pressure from which one leg can be lifted (`babbling.one_leg`); 0 where that was not found."""
+    free: Annotated[FloatArray, Numbers("side motor", low=0, high=1)]
+    """(2, F) 1 for carrying joints that do not carry then, else 0."""
 
     def pressed(self, loads: FloatArray) -> FloatArray:
         """(..., 2) pressure of (..., L) loads."""
@@ -202,7 +208,12 @@ def wiggled(
     if not pairs:
         raise BabblingError("no joints carry it in pairs; who stands has two of each, or a hip and an ankle")
     together = np.stack([np.eye(count)[i] + sign * np.eye(count)[j] for i, j, sign in pairs], 1)
-    synergy = np.stack([_least(effects @ together, pressure, one) for one in np.eye(2)]) @ together.T
+    least = np.stack([_least(effects @ together, pressure, one) for one in np.eye(2)])
+    few = (np.abs(least) > FEW).any(0)
+    work = np.linalg.pinv(pressure @ effects @ together * few).T
+    work /= np.abs(work).max(1, keepdims=True)
+    work = np.where(np.abs(work) > ALIKE, np.sign(work), work)  # what differs little is noise: legs that sway far do so
+    synergy = work @ together.T  # evenly, or they strain
     pace = [(v - v.mean(0))[after][kept] for v in (run.moving[..., :count], run.turning)]  # rad/s
     turns = regress(pace[0][:, None], pace[1][:, None]).coefficients[0]  # (3, F)
     mended = np.linalg.qr(turns @ synergy.T)[0]
@@ -215,7 +226,7 @@ def wiggled(
     lean = np.column_stack([rest, pressure @ effects, products])
     return Balance(
         fingerprint, home, lines, weight, pressure, effects, carries.astype(float), following, synergy, rest, lean,
-        _empty(fingerprint), np.zeros(0), np.zeros(0),
+        _empty(fingerprint), np.zeros(0), np.zeros(0), np.zeros((2, 2)), np.zeros((2, count)),
     )  # fmt: skip
 
 

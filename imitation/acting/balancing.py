@@ -15,6 +15,7 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from babbling.axes import Axis, FloatArray
 from babbling.balance import Balance
+from babbling.one_leg import SIDES
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
 
 MATCH = 0.3
@@ -32,6 +33,11 @@ SMOOTH = 2.5
 BEGIN = 25
 """Ticks over which the offset is taken up at first."""
 
+SWAY, ON = 0.4, 0.9
+"""Pressure that a teacher's legs sway to who puts all weight on one sole; the share of it from which a leg is free."""
+LATE = 9
+"""Ticks after that, and before the weight goes back, in which it is not."""
+
 
 class Plan(NamedTuple):
     """Postures to come to, and why; T ticks of B copies."""
@@ -46,6 +52,8 @@ class Plan(NamedTuple):
     """(T, B, 2) rad."""
     expected: FloatArray
     """(T, B, 2) pressure foretold with it."""
+    goal: FloatArray | float = 0.0
+    """(T, B, 2) pressure it is to be."""
 
 
 class Balancer:
@@ -66,20 +74,20 @@ class Balancer:
         if table.transitions:
             self.inverse = LinearInverse(table) if linear else BayesianInverse(table, prior=self.match)
 
-    def terms(self, lean: FloatArray) -> list[Term]:
-        """What (B, 2) leans should come to."""
+    def terms(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> list[Term]:
+        """(B, 2) leans should come to pressures (B, 2)."""
         table = self.balance.forward_model
-        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), np.zeros_like(lean), self.weight)]
+        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), goal + np.zeros_like(lean), self.weight)]
 
-    def offsets(self, lean: FloatArray) -> FloatArray:
-        """(T, B, 2) offsets for (T, B, 2) leans, one tick ahead."""
+    def offsets(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> FloatArray:
+        """(T, B, 2) offsets by which (T, B, 2) leans come to pressures (T, B, 2), one tick ahead."""
         if not self.weight:
             return np.zeros_like(lean)
         if self.inverse is None:
-            chosen = -lean @ np.linalg.inv(self.gains).T
+            chosen = (goal - lean) @ np.linalg.inv(self.gains).T
         else:
-            rows = lean.reshape(-1, 2)
-            chosen = self.inverse.choose(self.terms(rows), np.random.default_rng(0)).action.reshape(lean.shape)
+            terms = self.terms(lean.reshape(-1, 2), (goal + np.zeros_like(lean)).reshape(-1, 2))
+            chosen = self.inverse.choose(terms, np.random.default_rng(0)).action.reshape(lean.shape)
         chosen = np.clip(chosen, *_ends(self.balance.forward_model.action))
         smooth = gaussian_filter1d(chosen, SMOOTH, axis=0, mode="nearest")
         begin = np.minimum(np.arange(len(lean)) / BEGIN, 1)[:, None, None]
@@ -87,16 +95,20 @@ class Balancer:
 
     def plan(self, targets: FloatArray, explore: FloatArray | float = 0.0) -> Plan:
         """For (T, B, F) postures that one would like to come to; `explore` (T, B, 2) is added to the offsets."""
-        planned = self.follow(targets)
+        onto, swayless = self.sway(targets)
+        goal = np.maximum(onto, 0) @ self.balance.there
+        up = smooth_gate(onto) @ self.balance.free
+        planned = self.follow(swayless - up * (swayless - self.balance.home))
         lean = self.balance.leaning(planned)
-        offset = self.offsets(lean) + explore
+        offset = self.offsets(lean, goal) + explore
+        planned = planned + up * (swayless - planned)
         expected = lean + offset @ self.gains.T
         if self.inverse is not None:
             table = self.balance.forward_model
             context = np.clip(lean, *_ends(table.contexts[0])).reshape(-1, 2)
             action = np.clip(offset, *_ends(table.action)).reshape(-1, 2)
             expected = self.inverse.expect((context,), action).reshape(lean.shape)
-        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected)
+        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected, goal)
 
     def follow(self, targets: FloatArray) -> FloatArray:
         """(T, B, F) what of postures can be done on both soles; of what carries, only as much as leans little."""
@@ -108,11 +120,29 @@ class Balancer:
         eased = gaussian_filter1d(least, EASING, axis=0, mode="nearest")[..., None]
         return np.asarray(rest + eased * (planned - rest))
 
+    def sway(self, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(T, B, 2) how far, from 0 to 1, legs of (T, B, F) postures shift the weight onto the sole of each side, and
+        (T, B, F) the postures without that. On a sole is where one's own weight has to be, however far the teacher's
+        legs sway; who cannot stand on one leg stays between both."""
+        known, along = self.balance, self.balance.synergy[1]
+        if not known.free.any():
+            return np.zeros((*targets.shape[:-1], 2)), targets
+        far = (known.safe(targets) - known.home) @ along / (along @ along)
+        onto = np.clip(far[..., None] * self.gains[1, 1] / SWAY * np.array(SIDES), 0, 1)
+        return onto, targets - far[..., None] * along
+
     @property
     def gains(self) -> FloatArray:
         """(2, 2) pressure per rad of offset, as wiggling found it."""
         known = self.balance
         return np.asarray(known.pressing @ known.effects @ known.synergy.T)
+
+
+def smooth_gate(onto: FloatArray) -> FloatArray:
+    """(T, B, 2) how free, from 0 to 1, the leg beside each sole is while the weight is on the sole, `sway`: only well
+    after it came there and before it leaves."""
+    there = minimum_filter1d((onto > ON).astype(float), 2 * LATE + 1, axis=0, mode="nearest")
+    return np.asarray(gaussian_filter1d(there, LATE / 3, axis=0, mode="nearest"))
 
 
 def _ends(axis: Axis) -> tuple[FloatArray, FloatArray]:
