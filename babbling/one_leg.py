@@ -24,6 +24,8 @@ STAYED, MOSTLY = 50, 0.8
 """Who stands on one leg for this share of so many ticks stands."""
 EMPTY = 0.05
 """A sole with less than this share of the load is in the air."""
+
+
 def soles(known: Balance) -> FloatArray:
     """(L,) the side of the sole that each load belongs to, -1 or 1."""
     x, effects = known.pressing, known.effects * known.carries

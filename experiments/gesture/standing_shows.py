@@ -45,7 +45,7 @@ def on_leg(hung: SimulatedBody, side: str, held_s: float = HELD_S) -> FloatArray
     sway *= {"left": -1, "right": 1}[side]
     lift = np.deg2rad(2 * LIFT_DEG) * _crouch(hung, other)
     back = SWAY_S + 2 * LIFT_S + held_s
-    second = np.arange(round((back + SWAY_S) / hung.tick_s))[:, None] * hung.tick_s
+    second = np.asarray(np.arange(round((back + SWAY_S) / hung.tick_s)) * hung.tick_s, float)[:, None]
     shifted = _eased(second / SWAY_S) - _eased((second - back) / SWAY_S)
     lifted = _eased((second - SWAY_S) / LIFT_S) - _eased((second - SWAY_S - LIFT_S - held_s) / LIFT_S)
     return np.asarray(resting(hung) + shifted * sway + lifted * lift)

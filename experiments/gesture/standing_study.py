@@ -9,12 +9,12 @@ from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.mind import Mind
 from experiments.gesture.options import Config
+from experiments.gesture.standing_shows import resting, squat
 from experiments.shared.standing import PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
 from experiments.shared.watching import Seen, watch
 from imitation.acting.balancing import Balancer
 from imitation.acting.movement import Movement
 from models.body import SimulatedBody
-from models.hoap2 import facts
 from models.standing import Individuals, StandingBody
 
 SPEEDS, SEEDS, FIRST = (1.0, 1.5, 2.0, 2.5), 20, 1
@@ -25,7 +25,6 @@ TRIED, PD_LIMIT, PD_SMOOTH = "icub-reach", np.deg2rad(15.0), 0.7
 IMPULSES = np.arange(0.8, 3.7, 0.4)
 ANGLES = np.arange(8) * np.pi / 4
 PUSHED_AT_S, PUSHED_FOR_S = 2.0, 4.0
-SQUAT_DEG, SQUAT_S = 110.0, 6.0
 LADEN_KG = 0.3
 
 
@@ -152,21 +151,3 @@ HARDSHIPS: Mapping[str, Mapping[str, Any]] = {
     "masses 20 % off": {"individuals": Individuals(masses=0.2)},
     "laden": {},
 }
-
-
-def resting(hung: SimulatedBody) -> FloatArray:
-    """(J,) the posture at home."""
-    hung.reset()
-    return np.array(hung.joint_angles[0])
-
-
-def squat(hung: SimulatedBody) -> FloatArray:
-    """(T, J) down until the knees are bent by `SQUAT_DEG`, and up again."""
-    home = resting(hung)
-    down = (1 - np.cos(np.linspace(0, 2 * np.pi, round(SQUAT_S / hung.tick_s)))) / 2
-    more = np.deg2rad(SQUAT_DEG) - home[hung.joints.index("left_leg_joint_4")]
-    beside = np.zeros(len(home))
-    for side in facts.SIDES:
-        for joint, share in (("3", -0.5), ("4", 1.0), ("5", -0.5)):
-            beside[hung.joints.index(f"{side}_leg_joint_{joint}")] = share * more
-    return np.asarray(home + down[:, None] * beside)

@@ -11,7 +11,6 @@ from babbling.balance import Balance, Stood, find_pressure, settled, wiggled
 from babbling.exploration import MotorRange, smooth
 from babbling.kalman import Belief
 from babbling.mind import Mind
-from babbling.one_leg import SIDES, STAYED, free, lifts, shifts
 from experiments.shared.options import BodyOptions
 from imitation.acting.balancing import Balancer, Plan
 from imitation.acting.loop import Imitator
@@ -34,12 +33,6 @@ GENTLY = 0.2
 """The same of wiggling."""
 QUIET = 0.3
 """Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
-ALONE, SHIFT_S, LIFT_S, ALONE_S = 16, 1.5, 0.8, 4.0
-"""Copies that stand on one leg, half of them on each; how long the shift, the lift, and standing there takes."""
-SHIFTS = (0.35, 0.95)
-"""Pressures that the weight is shifted to before the lift."""
-TREMBLE = np.deg2rad(2.0)
-"""How far every carrying joint is moved at random there, rad."""
 BEFORE_S = 0.3
 """What comes so shortly before a fall is part of it."""
 USUAL = 3.0
@@ -114,7 +107,7 @@ class Learner:
         """Keep how long it took and how often it fell."""
         self.minutes.append(ticks * body.copies * body.tick_s / 60)
         self.falls.append(falls)
-        self.report(len(self.minutes) / (4 + len(STAGES)))
+        self.report(len(self.minutes) / (2 + len(STAGES)))
 
 
 def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report: Callable[[float], None]) -> Balance:
@@ -126,7 +119,7 @@ def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report:
     pressure, _ = find_pressure(body.senses.read(senses, "touch"), body.senses.read(senses, "accelerometer")[..., 0, :])
     body = learner.bodies(WIGGLING)
     beside = wander(np.full(len(home), WIGGLE), body, WIGGLING_S, rng, GENTLY)
-    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(3)))
+    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(4)))
     run = learner.stand(body, still)
     found = wiggled(run, home, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
     runs: list[Stood] = []
@@ -140,32 +133,7 @@ def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report:
         runs.append(learner.stand(body, Balancer(found).plan(home + moves, explore)))
         lean, table = settled(found, runs, tick)
         found = replace(found, weights=lean, forward_model=table)
-    found = one_leg(learner, found, rng)
     return replace(found, minutes=np.array(learner.minutes), falls=np.array(learner.falls))
-
-
-def one_leg(learner: Learner, found: Balance, rng: np.random.Generator) -> Balance:
-    """Shift the weight onto one sole, lift the other leg, then wiggle; see `babbling.one_leg`."""
-    pilot, tick, side = learner.mind.pilot, learner.hung.tick_s, np.arange(ALONE) % len(SIDES)
-    up = lifts(found, pilot.low, pilot.high)[side]
-
-    def stand(goal: FloatArray, seconds: float, wiggles: FloatArray) -> Stood:
-        body = learner.bodies(ALONE)
-        second = np.arange(round((SHIFT_S + LIFT_S + seconds) / tick)) * tick
-        shift, lift, late = (
-            np.clip((second - begin) / length, 0, 1)[:, None, None]
-            for begin, length in ((0, SHIFT_S), (SHIFT_S, LIFT_S), (SHIFT_S + LIFT_S, LIFT_S))
-        )
-        planned = found.home + lift * up + late * wander(wiggles, body, len(second) * tick, rng, GENTLY)
-        lean = np.broadcast_to(found.leaning(found.home), (*planned.shape[:2], 2))
-        offset = Balancer(found).offsets(lean, shift * goal)
-        return learner.stand(body, Plan(planned + offset @ found.synergy, planned, lean, offset, shift * goal))
-
-    far = np.take(SIDES, side) * np.linspace(*SHIFTS, ALONE)
-    run = stand(np.stack([0 * far, far], -1), STAYED * tick, 0 * found.home)
-    there = shifts(found, run, side, far)
-    run = stand(there[side], ALONE_S, TREMBLE * found.carries)
-    return replace(found, there=there, free=free(found, run, side, round((SHIFT_S + 2 * LIFT_S) / tick)))
 
 
 def rocked(learner: Learner, body: StandingBody, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:

@@ -1,11 +1,14 @@
 """Staying on one's feet while doing what was seen: Eq. (1) with two terms, asked ahead of time.
 
-    P(a | s, g) = c P(x = 0 once settled | lean, a)^w P(a matches the teacher),     a: offset along a synergy
+    P(a | s, g) = c P(x = g once settled | lean, a)^w P(a matches the teacher),     a: offset along a synergy
 
 The second term is what an offset costs: N(a; 0, MATCH^2), for the teacher showed none. The first is the table of
 `babbling.balance`, w how much more it counts. A bow takes the centre of mass past the toes within a few tenths of a
 second, and pressure goes the wrong way first: what was planned is therefore read one tick ahead, and nothing is undone
 after it was felt. Joints that carry the body follow the teacher as far as both soles stay flat.
+
+The sub-goal g is 0, between the soles, unless the teacher's legs shift the weight sideways (`sway`): then it is where
+one leg can be lifted (`babbling.one_leg`), and while it is there that leg is free to follow.
 """
 
 from typing import NamedTuple
@@ -16,6 +19,7 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 from babbling.axes import Axis, FloatArray
 from babbling.balance import Balance
 from babbling.one_leg import SIDES
+from babbling.synergies import ALIKE
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
 
 MATCH = 0.3
@@ -32,7 +36,6 @@ SMOOTH = 2.5
 """Ticks: an offset changes no faster than pressure settles."""
 BEGIN = 25
 """Ticks over which the offset is taken up at first."""
-
 SWAY, ON = 0.4, 0.9
 """Pressure that a teacher's legs sway to who puts all weight on one sole; the share of it from which a leg is free."""
 LATE = 9
@@ -45,15 +48,15 @@ class Plan(NamedTuple):
     postures: FloatArray
     """(T, B, F) with offsets."""
     planned: FloatArray
-    """(T, B, F) what of the movement can be done on both soles."""
+    """(T, B, F) what of the movement can be done."""
     lean: FloatArray
     """(T, B, 2) where pressure would settle without an offset."""
     offset: FloatArray
     """(T, B, 2) rad."""
     expected: FloatArray
     """(T, B, 2) pressure foretold with it."""
-    goal: FloatArray | float = 0.0
-    """(T, B, 2) pressure it is to be."""
+    goal: FloatArray
+    """(T, B, 2) pressure that is wanted."""
 
 
 class Balancer:
@@ -96,8 +99,8 @@ class Balancer:
     def plan(self, targets: FloatArray, explore: FloatArray | float = 0.0) -> Plan:
         """For (T, B, F) postures that one would like to come to; `explore` (T, B, 2) is added to the offsets."""
         onto, swayless = self.sway(targets)
-        goal = np.maximum(onto, 0) @ self.balance.there
-        up = smooth_gate(onto) @ self.balance.free
+        goal = onto @ self.balance.there
+        up = _freed(onto) @ self.balance.free
         planned = self.follow(swayless - up * (swayless - self.balance.home))
         lean = self.balance.leaning(planned)
         offset = self.offsets(lean, goal) + explore
@@ -123,11 +126,13 @@ class Balancer:
     def sway(self, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(T, B, 2) how far, from 0 to 1, legs of (T, B, F) postures shift the weight onto the sole of each side, and
         (T, B, F) the postures without that. On a sole is where one's own weight has to be, however far the teacher's
-        legs sway; who cannot stand on one leg stays between both."""
+        legs sway; who cannot stand on one leg, or does not mind falling, knows no such place."""
         known, along = self.balance, self.balance.synergy[1]
-        if not known.free.any():
+        if not (self.weight and known.free.any()):
             return np.zeros((*targets.shape[:-1], 2)), targets
-        far = (known.safe(targets) - known.home) @ along / (along @ along)
+        strong = np.abs(along) > ALIKE
+        each = (targets - known.home)[..., strong] / along[strong]
+        far = np.maximum(each.min(-1), 0) + np.minimum(each.max(-1), 0)  # what all do: a leg aside is no shift
         onto = np.clip(far[..., None] * self.gains[1, 1] / SWAY * np.array(SIDES), 0, 1)
         return onto, targets - far[..., None] * along
 
@@ -138,7 +143,7 @@ class Balancer:
         return np.asarray(known.pressing @ known.effects @ known.synergy.T)
 
 
-def smooth_gate(onto: FloatArray) -> FloatArray:
+def _freed(onto: FloatArray) -> FloatArray:
     """(T, B, 2) how free, from 0 to 1, the leg beside each sole is while the weight is on the sole, `sway`: only well
     after it came there and before it leaves."""
     there = minimum_filter1d((onto > ON).astype(float), 2 * LATE + 1, axis=0, mode="nearest")

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+import experiments.shared.one_leg as one_leg
 import experiments.shared.standing as standing
 from babbling.balance import Balance
 from babbling.mind import Mind, learn
@@ -119,6 +120,22 @@ def test_balance_is_learned_and_counted(balance: Balance, hurried: list[float], 
     assert hurried == [1 / 3, 2 / 3, 1.0]
 
 
+def test_one_leg_is_learned_after_both_and_takes_nothing_of_them_away(
+    balance: Balance, mind: Mind, hung: SimulatedBody, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(one_leg, "ALONE", 4)
+    monkeypatch.setattr(one_leg, "ALONE_S", 1.0)
+    told: list[float] = []
+    found = one_leg.learn_to_stand(OPTIONS, mind, hung, told.append)
+    for name in ("effects", "synergy", "weights", "following"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(balance, name))
+    np.testing.assert_allclose(found.minutes, [*balance.minutes, 4 * 3.3 / 60, 4 * 3.3 / 60])
+    assert len(found.falls) == 5 and (found.falls[-2:] <= 4).all()
+    assert (found.free <= found.carries).all() and not (found.free.all(0)).any(), "no joint is of both legs"
+    assert not balance.free.any() and not balance.there.any()
+    assert told == sorted(told) and told[-1] == 1.0
+
+
 def test_learners_are_others_every_time_and_none_of_those_who_are_judged(mind: Mind, hung: SimulatedBody) -> None:
     learner, masses = Learner(OPTIONS, mind, hung, lambda share: None, [], []), []
     for _ in range(2):
@@ -136,7 +153,7 @@ def test_what_comes_just_before_a_fall_is_part_of_it(balance: Balance, mind: Min
     postures = balance.home + tip @ balance.synergy
     nothing = 0 * tip
     learner = Learner(OPTIONS, mind, hung, lambda share: None, [], [])
-    run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing))
+    run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing, nothing))
     twin, down = standing_of(OPTIONS, 2, 7), []
     for command in postures:
         twin.act(mind.pilot.schema.motors(command))
