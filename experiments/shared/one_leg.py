@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, IntArray
 from babbling.balance import Balance, Stood
 from babbling.mind import Mind
 from babbling.one_leg import SIDES, STAYED, free, lifts, shifts
@@ -14,8 +14,10 @@ from experiments.shared.standing import GENTLY, Learner, learn_balance, wander
 from imitation.acting.balancing import Balancer, Plan
 from models.body import SimulatedBody
 
-ALONE, SHIFT_S, LIFT_S, ALONE_S = 16, 1.5, 0.8, 4.0
-"""Copies that stand on one leg, half of them on each; how long the shift, the lift, and standing there takes."""
+TRIES, ALONE = 12, 16
+"""Copies that try how far to shift the weight, then that stand there on one leg; half of them on each."""
+SHIFT_S, LIFT_S, ALONE_S = 1.5, 0.8, 5.8
+"""How long the shift, the lift, and standing there takes."""
 SHIFTS = (0.35, 0.95)
 """Pressures that the weight is shifted to before the lift."""
 TREMBLE = np.deg2rad(2.0)
@@ -34,11 +36,11 @@ def learn_to_stand(options: BodyOptions, mind: Mind, hung: SimulatedBody, report
 
 def one_leg(learner: Learner, found: Balance, rng: np.random.Generator) -> Balance:
     """Shift the weight onto one sole, lift the other leg, then wiggle; see `babbling.one_leg`."""
-    pilot, tick, side = learner.mind.pilot, learner.hung.tick_s, np.arange(ALONE) % len(SIDES)
-    up = lifts(found, pilot.low, pilot.high)[side]
+    pilot, tick = learner.mind.pilot, learner.hung.tick_s
+    tried, side = (np.arange(copies) % len(SIDES) for copies in (TRIES, ALONE))
 
-    def stand(goal: FloatArray, seconds: float, wiggles: FloatArray) -> Stood:
-        body = learner.bodies(ALONE)
+    def stand(side: IntArray, goal: FloatArray, seconds: float, wiggles: FloatArray) -> Stood:
+        body, up = learner.bodies(len(side)), lifts(found, pilot.low, pilot.high)[side]
         second = np.arange(round((SHIFT_S + LIFT_S + seconds) / tick)) * tick
         shift, lift, late = (
             np.clip((second - begin) / length, 0, 1)[:, None, None]
@@ -50,8 +52,7 @@ def one_leg(learner: Learner, found: Balance, rng: np.random.Generator) -> Balan
         offset = Balancer(found).offsets(lean, wanted)
         return learner.stand(body, Plan(planned + offset @ found.synergy, planned, lean, offset, wanted, wanted))
 
-    far = np.take(SIDES, side) * np.linspace(*SHIFTS, ALONE)
-    run = stand(np.stack([0 * far, far], -1), STAYED * tick, 0 * found.home)
-    there = shifts(found, run, side, far)
-    run = stand(there[side], ALONE_S, TREMBLE * found.carries)
+    far = np.take(SIDES, tried) * np.linspace(*SHIFTS, TRIES)
+    there = shifts(found, stand(tried, np.stack([0 * far, far], -1), STAYED * tick, 0 * found.home), tried, far)
+    run = stand(side, there[side], ALONE_S, TREMBLE * found.carries)
     return replace(found, there=there, free=free(found, run, side, round((SHIFT_S + 2 * LIFT_S) / tick)))
