@@ -21,11 +21,9 @@ order, each from what the one before left to be asked:
 """
 
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
 
 from babbling.axes import Axis, BoolArray, FloatArray, IntArray
 from babbling.body import OfOneBody
@@ -33,6 +31,7 @@ from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
 from babbling.regression import Regression, regress
+from babbling.synergies import find_pairs, synergies
 
 SETTLED = 4
 """Ticks after which the pressure of a command is felt."""
@@ -45,13 +44,8 @@ CARRIES = 1 / 3
 """A joint carries if it changes the loads by more than this share of what the fourth strongest does."""
 TWISTS = 0.2
 """A joint twists the legs if it turns the organ this much of its own pace, in a way that no synergy does."""
-ALIKE = 0.5
-"""Two joints are a pair if together they change what is not pressure by less than this share of what each does."""
 NOISES = 12.0
 """Singular values of A below so many times the noise of one of its entries are noise's."""
-STRAIN = 0.1
-"""rad in a synergy that are worth one less of the greatest change of a load's share beside pressure, in units of the
-greatest that pressure brings."""
 STRENGTH = 30.0
 """Pseudo-counts of the table's linear-Gaussian prior."""
 LEAN, OFFSET, CELLS = 4.0, 0.5, (65, 65, 31)
@@ -155,6 +149,10 @@ class Balance(OfOneBody):
     """Body time of rocking, wiggling and every further stage."""
     falls: Annotated[FloatArray, Numbers("stage", low=0)]
     """How often it fell meanwhile."""
+    there: Annotated[FloatArray, Numbers("side direction")]
+    """(2, 2) sub-goals of pressure from which one leg can be lifted (`babbling.one_leg`); 0 where none was found."""
+    free: Annotated[FloatArray, Numbers("side motor", low=0, high=1)]
+    """(2, F) 1 for carrying joints that do not carry then, else 0."""
 
     def pressed(self, loads: FloatArray) -> FloatArray:
         """(..., 2) pressure of (..., L) loads."""
@@ -198,11 +196,11 @@ def wiggled(
     size = np.linalg.norm(effects, axis=0)
     carries = size > CARRIES * np.sort(size)[-4]
     patterns: FloatArray = np.asarray(np.linalg.pinv(pressure), float)  # (L, 2) what unit pressure does to the shares
-    pairs = _pairs(effects - patterns @ (pressure @ effects), carries)
+    pairs = find_pairs(effects - patterns @ (pressure @ effects), carries)
     if not pairs:
         raise BabblingError("no joints carry it in pairs; who stands has two of each, or a hip and an ankle")
     together = np.stack([np.eye(count)[i] + sign * np.eye(count)[j] for i, j, sign in pairs], 1)
-    synergy = np.stack([_least(effects @ together, pressure, one) for one in np.eye(2)]) @ together.T
+    synergy = synergies(effects @ together, pressure) @ together.T
     pace = [(v - v.mean(0))[after][kept] for v in (run.moving[..., :count], run.turning)]  # rad/s
     turns = regress(pace[0][:, None], pace[1][:, None]).coefficients[0]  # (3, F)
     mended = np.linalg.qr(turns @ synergy.T)[0]
@@ -215,7 +213,7 @@ def wiggled(
     lean = np.column_stack([rest, pressure @ effects, products])
     return Balance(
         fingerprint, home, lines, weight, pressure, effects, carries.astype(float), following, synergy, rest, lean,
-        _empty(fingerprint), np.zeros(0), np.zeros(0),
+        _empty(fingerprint), np.zeros(0), np.zeros(0), np.zeros((2, 2)), np.zeros((2, count)),
     )  # fmt: skip
 
 
@@ -269,33 +267,3 @@ def _empty(fingerprint: str) -> ForwardModel:
     )
     two = ("direction 0", "direction 1")
     return ForwardModel((lean,), offset, pressure, factors=two, prior_strength=STRENGTH, fingerprint=fingerprint)
-
-
-def _pairs(strain: FloatArray, carries: BoolArray) -> list[tuple[int, int, int]]:
-    """Pairs (i, j, sign): i and sign j moved together strain the loads least, of (L, F) effects beside pressure."""
-    free, size = set(np.flatnonzero(carries).tolist()), np.linalg.norm(strain, axis=0) + 1e-12
-    left = {
-        (i, j, sign): np.linalg.norm(strain[:, i] + sign * strain[:, j]) / np.hypot(size[i], size[j])
-        for i, j in combinations(sorted(free), 2)
-        for sign in (1, -1)
-    }
-    found = list[tuple[int, int, int]]()
-    for i, j, sign in sorted(left, key=lambda pair: left[pair]):
-        if {i, j} <= free and left[i, j, sign] < ALIKE:
-            found.append((i, j, sign))
-            free -= {i, j}
-    return found
-
-
-def _least(effects: FloatArray, pressure: FloatArray, wanted: FloatArray) -> FloatArray:
-    """(P,) shares of P pairs that change pressure (2, L) as wanted (2,), with the least sum of absolute shares, which
-    is the fewest and strongest, and little `STRAIN` otherwise: a linear program; the largest is 1."""
-    both = np.hstack([effects, -effects])
-    patterns = np.asarray(np.linalg.pinv(pressure))
-    most = -np.full((len(patterns), 1), np.abs(patterns @ wanted).max())
-    beside = both - patterns @ (pressure @ both)
-    cost = np.append(np.ones(both.shape[1]), STRAIN)
-    bounds = np.vstack([np.hstack([beside, most]), np.hstack([-beside, most])])
-    found = linprog(cost, bounds, np.zeros(len(bounds)), np.hstack([pressure @ both, np.zeros((2, 1))]), wanted).x
-    share = found[: effects.shape[1]] - found[effects.shape[1] : -1]
-    return np.asarray(share / np.abs(share).max())

@@ -9,10 +9,13 @@ by hand. The bias is what the body does and the forward model did not expect: th
 import numpy as np
 
 from babbling import kalman
-from babbling.axes import FloatArray
+from babbling.axes import BoolArray, FloatArray
 from babbling.dynamics import LinearDynamics
 from babbling.kalman import Belief
 from babbling.schema import BodySchema
+
+USUAL = 3.0
+"""Standard deviations of a joint's bias while babbling."""
 
 
 class StateEstimate:
@@ -59,3 +62,10 @@ class StateEstimate:
     def correct(self, belief: Belief, posture: FloatArray, rate: FloatArray) -> Belief:
         """Having felt (B, F) posture and rate."""
         return kalman.update(self.system, belief, np.stack([posture, rate], -1))[0]
+
+    def usual(self, belief: Belief) -> tuple[Belief, BoolArray]:
+        """A bias no larger than babbling has shown; and (B, F) where there would be more: there something is in the
+        way, no reason to push harder."""
+        most, mean = USUAL * np.sqrt(self.dynamics.bias_variance), belief.mean.copy()
+        mean[..., 2] = np.clip(mean[..., 2], -most, most)
+        return Belief(mean, belief.covariance), np.abs(belief.mean[..., 2]) > most

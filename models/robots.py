@@ -51,6 +51,8 @@ class Stance:
     """Body that is upright while it stands, however it bows."""
     pushed: str
     """Body that is pushed."""
+    feet: tuple[str, str] = ("left_foot", "right_foot")
+    """Bodies that it stands on."""
 
 
 @dataclass(frozen=True)

@@ -82,6 +82,8 @@ class StandingBody(SimulatedBody):
         self.batch.set_const()
         self.reset()
         self._home = self._place[:, self._hips, 2].copy()
+        self._feet = [model.body(foot).id for foot in stance.feet]
+        self._floor = self._place[:, self._feet, 2].copy()
 
     def reset(self) -> FloatArray:
         """See `SimulatedBody`; nobody is pushed any more."""
@@ -104,6 +106,11 @@ class StandingBody(SimulatedBody):
         upright = self._turn[:, self._hips, 8]
         low = self._place[:, self._hips, 2] < FALLEN_HEIGHT * self._home
         return np.asarray((upright < np.cos(np.deg2rad(FALLEN_DEG))) | low)
+
+    @property
+    def lifted(self) -> FloatArray:
+        """(B, 2) m that each foot is higher than at home; for those who judge."""
+        return np.asarray(self._place[:, self._feet, 2] - self._floor)
 
     @property
     def configuration(self) -> FloatArray:

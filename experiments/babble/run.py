@@ -12,9 +12,10 @@ from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
 from experiments.shared.experiment import as_json, check_out, publish, writing
 from experiments.shared.minds import body_of, learn_mind, people_say
+from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.options import must_stand
 from experiments.shared.progress import progress
-from experiments.shared.standing import learn_balance, standing_of
+from experiments.shared.standing import standing_of
 from experiments.shared.tables import show, table
 
 
@@ -58,7 +59,7 @@ def command(config: Config) -> None:
     if config.stand:
         beside.append(balance_file(out))
         with progress(f"{config.robot} learns to stand") as report:
-            balance = learn_balance(config, learned.mind, body_of(config, 1), report)
+            balance = learn_to_stand(config, learned.mind, body_of(config, 1), report)
         save(balance, beside[-1], people_say(standing_of(config, 1, 0)), **told)
         rows.append(("learning to stand", f"{balance.minutes.sum():.1f} body-minutes, {balance.falls.sum():g} falls"))
     show(table(rows))

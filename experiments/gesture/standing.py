@@ -15,8 +15,9 @@ from experiments.gesture.standing_study import Cell, prepared, study
 from experiments.shared.experiment import Result
 from experiments.shared.judging import lately, rmse_deg
 from experiments.shared.minds import Learned, body_of
+from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.progress import progress
-from experiments.shared.standing import LET_GO_S, learn_balance, paced, perform, shove, standing_of
+from experiments.shared.standing import LET_GO_S, paced, perform, shove, standing_of
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
@@ -42,7 +43,7 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
     body, taken = standing_of(config, 1, 0), balance is not None
     if balance is None:
         with progress(f"{config.robot} learns to stand") as report:
-            balance = learn_balance(config, learned.mind, hung, report)
+            balance = learn_to_stand(config, learned.mind, hung, report)
     spent = time.perf_counter() - started
     movement = paced(seen.angles, config.speed, hung)
     wanted = movement.senses[:, hung.senses.lines("angle")]

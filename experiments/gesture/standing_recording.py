@@ -95,7 +95,7 @@ def _log_pressure(stream: rr.RecordingStream, stands: Stands) -> None:
 def _log_beliefs(stream: rr.RecordingStream, stands: Stands) -> None:
     """Both terms of Eq. (1) over the offsets of the first direction, and their product."""
     tick, balancer, lean = stands.body.tick_s, stands.balancer, stands.ours.plan.lean[:, 0]
-    [term] = balancer.terms(lean)
+    [term] = balancer.terms(lean, stands.ours.plan.goal[:, 0])
     actions = np.broadcast_to(balancer.balance.forward_model.action.points[:, None], (2, len(lean), 65))
     balanced = term.likelihood(np.moveaxis(actions, -1, 0).swapaxes(1, 2))[..., 0].T ** float(np.max(term.weight))
     match = np.broadcast_to(balancer.match[0], balanced.shape)

@@ -11,6 +11,15 @@ from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.mind import Mind
 from experiments.gesture.options import Config
+from experiments.gesture.standing_shows import (
+    SQUAT_DEG,
+    STEPS,
+    knees_deg,
+    resting,
+    shows,
+    steps_on_the_spot,
+    stood_on_one_leg,
+)
 from experiments.shared.judging import lately, rmse_deg
 from experiments.shared.minds import body_of
 from experiments.shared.parallel import in_parallel
@@ -18,7 +27,6 @@ from experiments.shared.standing import LET_GO_S, PUSH_S, Performance, Reflex, p
 from experiments.shared.watching import watch
 from imitation.acting.balancing import Balancer
 from models.body import SimulatedBody
-from models.hoap2 import facts
 from models.standing import Individuals
 
 SPEEDS, SEEDS, FIRST = (1.0, 1.5, 2.0, 2.5), 20, 1
@@ -38,7 +46,6 @@ IMPULSES = np.arange(0.8, 4.5, 0.4)
 ANGLES = np.arange(8) * np.pi / 4
 PUSHED_AT_S, PUSHED_FOR_S = 2.5, 4.0
 PUSHED = ("ours", "blind", "replay", "pd")
-SQUAT_DEG, SQUAT_S = 110.0, 6.0
 HARDSHIPS: Mapping[str, Mapping[str, Any]] = {
     "downhill 4 deg": {"tilt_deg": (4.0, 0.0)},
     "uphill 4 deg": {"tilt_deg": (-4.0, 0.0)},
@@ -54,6 +61,15 @@ FACING, FACED_S = ("ours", "blind", "linear"), 12.0
 """Who does how much of the first demonstration there."""
 ONCE = {"blind": 1.5, "both": 1.5}
 """Ways that are tried at one speed."""
+
+SHOWN: Mapping[str, Callable[[Performance, SimulatedBody], FloatArray]] = {
+    "squat": knees_deg,
+    "left leg": lambda done, body: stood_on_one_leg(done, body.tick_s, "left"),
+    "right leg": lambda done, body: stood_on_one_leg(done, body.tick_s, "right"),
+    "walking on the spot": lambda done, body: steps_on_the_spot(done),
+}
+ENOUGH = {"squat": SQUAT_DEG, "left leg": 8.0, "right leg": 8.0, "walking on the spot": STEPS}
+"""Degrees, seconds, steps."""
 
 
 class Cell(NamedTuple):
@@ -74,6 +90,8 @@ class Tried(NamedTuple):
     """Of joints that do not carry, at ticks at which nothing touches."""
     touching: float
     """Share of ticks."""
+    reached: list[float]
+    """Of a show: degrees of knees, seconds on one leg, steps; 0 who fell."""
 
 
 @dataclass(frozen=True)
@@ -122,15 +140,15 @@ def prepared(config: Config, mind: Mind, balance: Balance, hung: SimulatedBody, 
     """All that is done, (T, J) `own` demonstration included; and the PD's best gains: who stands longest, and of those
     the stillest."""
     clips = {clip: watch(clip, hung).angles for clip in config.clips or BUILT_IN}
-    shows = {**clips, TRIED: watch(TRIED, hung).angles, "squat": squat(hung), config.demonstration: own}
-    shows["at rest"] = np.repeat(resting(hung)[None], round((PUSHED_AT_S + PUSHED_FOR_S) / hung.tick_s), 0)
-    shows["begin"] = next(iter(clips.values()))[: round(FACED_S / hung.tick_s)]
-    shows["moving"] = next(iter(clips.values()))[: round((PUSHED_AT_S + PUSHED_FOR_S / 2) / hung.tick_s)]
-    study = Study(replace(config, threads=1), mind, balance, shows, GAINS[:1])
+    done = {**clips, TRIED: watch(TRIED, hung).angles, **shows(hung), config.demonstration: own}
+    done["at rest"] = np.repeat(resting(hung)[None], round((PUSHED_AT_S + PUSHED_FOR_S) / hung.tick_s), 0)
+    done["begin"] = next(iter(clips.values()))[: round(FACED_S / hung.tick_s)]
+    done["moving"] = next(iter(clips.values()))[: round((PUSHED_AT_S + PUSHED_FOR_S / 2) / hung.tick_s)]
+    study = Study(replace(config, threads=1), mind, balance, done, GAINS[:1])
     each = replace(study, gains=np.repeat(GAINS, 2, 0))
-    done = each.perform(Cell("pd", TRIED, 2.0), 2 * len(GAINS))
-    lasted = done.upright.sum(0).reshape(-1, 2).sum(1)
-    still = np.abs(balance.pressed(done.loads)).mean((0, 2)).reshape(-1, 2).sum(1)
+    pd = each.perform(Cell("pd", TRIED, 2.0), 2 * len(GAINS))
+    lasted = pd.upright.sum(0).reshape(-1, 2).sum(1)
+    still = np.abs(balance.pressed(pd.loads)).mean((0, 2)).reshape(-1, 2).sum(1)
     return replace(study, gains=GAINS[[int(np.lexsort((still, -lasted))[0])]])
 
 
@@ -143,8 +161,10 @@ def tried(cell: Cell, study: Study) -> Tried:
         push, copies = shove(force, PUSHED_AT_S), len(size)
     done = study.perform(cell, copies, push)
     fell, judge = done.fell.tolist(), standing_of(study.config, 1, 0)
+    if cell.show in SHOWN:
+        return Tried(fell, [], 0.0, SHOWN[cell.show](done, judge).tolist())
     if cell.pushed or cell.who != "ours" or cell.hardship or cell.speed != 1:
-        return Tried(fell, [], 0.0)
+        return Tried(fell, [], 0.0, [])
     wanted = study.shows[cell.show]
     during = slice(done.first, done.first + len(wanted))
     labels = [judge.sense_labels[line] for line in study.mind.pilot.schema.posture]
@@ -156,7 +176,7 @@ def tried(cell: Cell, study: Study) -> Tried:
         found = rmse_deg(done.angles[during, copy][ticks][:, free], wanted[ticks][:, free]) if ticks.any() else None
         errors.append(found)
         touched.append(touching.mean())
-    return Tried(fell, errors, float(np.mean(touched)))
+    return Tried(fell, errors, float(np.mean(touched)), [])
 
 
 def study(whole: Study, workers: int) -> dict[str, Any]:
@@ -166,7 +186,7 @@ def study(whole: Study, workers: int) -> dict[str, Any]:
     paces = {who: (ONCE[who],) if who in ONCE else SPEEDS for who in WAYS}
     cells = [Cell(who, clip, speed) for clip in clips for who in WAYS for speed in paces[who]]
     cells += [Cell(who, "begin", hardship=one) for one in HARDSHIPS for who in FACING]
-    cells += [Cell(who, "squat") for who in FACING]
+    cells += [Cell(who, show) for show in SHOWN for who in FACING]
     cells += [Cell(who, when, pushed=True) for when in ("moving", "at rest") for who in PUSHED]
     found = in_parallel(partial(tried, study=whole), cells, workers, "twenty individuals")
     results = dict(zip(cells, found, strict=True))
@@ -184,8 +204,12 @@ def study(whole: Study, workers: int) -> dict[str, Any]:
         "joint_rmse_free_deg": {clip: results[Cell("ours", clip)].error_deg for clip in clips},
         "touching_share": {clip: results[Cell("ours", clip)].touching for clip in clips},
         "hardships": {
-            **{one: {who: sum(results[Cell(who, "begin", hardship=one)].fell) for who in FACING} for one in HARDSHIPS},
-            "squat, knees 110 deg": {who: fell(who, ["squat"], 1.0) for who in FACING},
+            one: {who: sum(results[Cell(who, "begin", hardship=one)].fell) for who in FACING} for one in HARDSHIPS
+        },
+        "shown": {show: {who: results[Cell(who, show)].reached for who in FACING} for show in SHOWN},
+        "shown_enough": {
+            show: {who: sum(one >= ENOUGH[show] for one in results[Cell(who, show)].reached) for who in FACING}
+            for show in SHOWN
         },
         "hardship_runs": SEEDS,
         "push_impulse_ns": {
@@ -201,21 +225,3 @@ def survived(fell: Sequence[bool]) -> list[float]:
     step = IMPULSES[1] - IMPULSES[0]
     stood = (~np.array(fell)).reshape(len(ANGLES), len(IMPULSES)).sum(1)
     return [float(impulse) for impulse in IMPULSES[0] - step + step * stood]
-
-
-def resting(hung: SimulatedBody) -> FloatArray:
-    """(J,) the posture at home."""
-    hung.reset()
-    return np.array(hung.joint_angles[0])
-
-
-def squat(hung: SimulatedBody) -> FloatArray:
-    """(T, J) down until the knees are bent by `SQUAT_DEG`, and up again."""
-    home = resting(hung)
-    down = (1 - np.cos(np.linspace(0, 2 * np.pi, round(SQUAT_S / hung.tick_s)))) / 2
-    more = np.deg2rad(SQUAT_DEG) - home[hung.joints.index("left_leg_joint_4")]
-    beside = np.zeros(len(home))
-    for side in facts.SIDES:
-        for joint, share in (("3", -0.5), ("4", 1.0), ("5", -0.5)):
-            beside[hung.joints.index(f"{side}_leg_joint_{joint}")] = share * more
-    return np.asarray(home + down[:, None] * beside)

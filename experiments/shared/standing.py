@@ -10,7 +10,6 @@ import numpy as np
 from babbling.axes import BoolArray, FloatArray, fixed
 from babbling.balance import Balance, Stood, find_pressure, settled, wiggled
 from babbling.exploration import MotorRange, smooth
-from babbling.kalman import Belief
 from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
 from imitation.acting.balancing import Balancer, Feeling, Plan
@@ -38,8 +37,6 @@ BEFORE_S = 0.3
 """What comes so shortly before a fall is part of it."""
 LET_GO_S = 0.1
 """What touched comes free within that; until then it counts as touching."""
-USUAL = 3.0
-"""Standard deviations of a joint's bias on the stand."""
 LEARNERS = 100_000
 """Individuals from here on learn balance; those judged are others."""
 
@@ -122,7 +119,7 @@ def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report:
     pressure, _ = find_pressure(body.senses.read(senses, "touch"), body.senses.read(senses, "accelerometer")[..., 0, :])
     body = learner.bodies(WIGGLING)
     beside = wander(np.full(len(home), WIGGLE), body, WIGGLING_S, rng, GENTLY)
-    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(3)))
+    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(4)))
     run = learner.stand(body, still)
     found = wiggled(run, home, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
     runs: list[Stood] = []
@@ -203,23 +200,16 @@ class Performance:
     stays: FloatArray
     """(T, B, 2) see `Feeling`."""
     resisted: BoolArray
-    """(T, B, F) see `bounded`."""
+    """(T, B, F) see `StateEstimate.usual`."""
     choice_s: FloatArray
     """(T - 1,) wall time of choosing for all joints of all copies."""
+    lifted: FloatArray
+    """(T, B, 2) m of each foot."""
 
     @property
     def fell(self) -> BoolArray:
         """(B,)."""
         return np.asarray(~self.upright[-1])
-
-
-def bounded(belief: Belief, mind: Mind) -> tuple[Belief, BoolArray]:
-    """A bias no larger than babbling on the stand has shown; and (B, F) where there would be more: there something is
-    in the way, no reason to push harder."""
-    most = USUAL * np.sqrt(mind.pilot.dynamics.bias_variance)
-    mean = belief.mean.copy()
-    mean[..., 2] = np.clip(mean[..., 2], -most, most)
-    return Belief(mean, belief.covariance), np.abs(belief.mean[..., 2]) > most
 
 
 Reflex = Callable[[int, FloatArray, FloatArray], FloatArray]
@@ -274,8 +264,8 @@ def perform(
             force[:] = push((number - first) * tick)
             body.push(force)
         loads = body.senses.read(felt, "touch")
-        stays = feeling.stays.copy()
-        rows.append((body.joint_angles.copy(), body.configuration, loads, ~body.fallen, force, stays, resisted))
+        felt_so = (feeling.stays.copy(), resisted, body.lifted)
+        rows.append((body.joint_angles.copy(), body.configuration, loads, ~body.fallen, force, *felt_so))
         if not state.left:
             break
         command, clock = state.targets[number + 1], time.perf_counter()
@@ -283,7 +273,7 @@ def perform(
             state = state._replace(tick=number + 1)
         else:
             state, _, info = imitator.step(state, joints.felt(felt), rng)
-            belief, resisted = bounded(state.belief, mind)
+            belief, resisted = imitator.estimate.usual(state.belief)
             state = state._replace(belief=belief)
             if feels:
                 command = command + feeling(loads) @ known.synergy
@@ -292,9 +282,10 @@ def perform(
             command = np.where(carries, command, info.commands)
         choices.append(time.perf_counter() - clock)
         felt = body.act(schema.motors(np.clip(command, *mind.pilot.ends.T)))
-    angles, configurations, loads, upright, pushes, stays, met = (np.array(part) for part in zip(*rows, strict=True))
+    angles, configurations, loads, upright, pushes, stays, met, lifted = map(np.array, zip(*rows, strict=True))
     foretold = np.broadcast_to(plan.expected, (len(rows), body.copies, 2)).copy()
     foretold[1 : len(feeling.expected) + 1] = np.array(feeling.expected).reshape(-1, body.copies, 2)
+    spent = np.array(choices)
     return Performance(
-        plan, angles, configurations, loads, upright, first, pushes, foretold, stays, met, np.array(choices)
+        plan, angles, configurations, loads, upright, first, pushes, foretold, stays, met, spent, lifted
     )  # fmt: skip

@@ -1,12 +1,15 @@
 """Staying on one's feet while doing what was seen: Eq. (1) with two terms, asked ahead of time.
 
-    P(a | s, g) = c P(x = 0 once settled | lean, a)^w P(a matches the teacher),     a: offset along a synergy
+    P(a | s, g) = c P(x = g once settled | lean, a)^w P(a matches the teacher),     a: offset along a synergy
 
 The second term is what an offset costs: N(a; 0, MATCH^2), for the teacher showed none. The first is the table of
 `babbling.balance`, w how much more it counts. A bow takes the centre of mass past the toes within a few tenths of a
 second, and pressure goes the wrong way first: what was planned is therefore read one tick ahead. What is felt beyond
 what was foretold comes too late for that; but what of it stays (a slope, a load) is as if one leaned so much more, and
 Eq. (1) is asked again (`Feeling`). Joints that carry the body follow the teacher as far as both soles stay flat.
+
+The sub-goal g is 0, between the soles, unless the teacher's legs shift the weight sideways (`sway`): then it is where
+one leg can be lifted (`babbling.one_leg`), and while it is there that leg is free to follow.
 """
 
 from typing import NamedTuple
@@ -16,6 +19,8 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from babbling.axes import Axis, FloatArray
 from babbling.balance import SETTLED, Balance
+from babbling.one_leg import SIDES
+from babbling.synergies import ALIKE
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
 
 MATCH = 0.3
@@ -34,8 +39,14 @@ BEGIN = 25
 """Ticks over which the offset is taken up at first."""
 STAYS = 100.0
 """Ticks over which what stays is told from what passes. Pressure goes the wrong way first: at 30 it shakes itself."""
+WHILE = 25
+"""Ticks before and after a shift of weight in which nothing of it is heeded."""
 MOST = 1.0
 """Units of pressure; more of it cannot be stood."""
+SWAY, ON = 0.4, 0.9
+"""Pressure that a teacher's legs sway to who puts all weight on one sole; the share of it from which a leg is free."""
+LATE = 9
+"""Ticks after that, and before the weight goes back, in which it is not."""
 
 
 class Plan(NamedTuple):
@@ -44,13 +55,15 @@ class Plan(NamedTuple):
     postures: FloatArray
     """(T, B, F) with offsets."""
     planned: FloatArray
-    """(T, B, F) what of the movement can be done on both soles."""
+    """(T, B, F) what of the movement can be done."""
     lean: FloatArray
     """(T, B, 2) where pressure would settle without an offset."""
     offset: FloatArray
     """(T, B, 2) rad."""
     expected: FloatArray
     """(T, B, 2) pressure foretold with it."""
+    goal: FloatArray
+    """(T, B, 2) pressure that is wanted."""
 
 
 class Balancer:
@@ -71,20 +84,20 @@ class Balancer:
         if table.transitions:
             self.inverse = LinearInverse(table) if linear else BayesianInverse(table, prior=self.match)
 
-    def terms(self, lean: FloatArray) -> list[Term]:
-        """What (B, 2) leans should come to."""
+    def terms(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> list[Term]:
+        """(B, 2) leans should come to pressures (B, 2)."""
         table = self.balance.forward_model
-        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), np.zeros_like(lean), self.weight)]
+        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), goal + np.zeros_like(lean), self.weight)]
 
-    def choose(self, lean: FloatArray) -> FloatArray:
-        """(..., 2) offsets by Eq. (1) for (..., 2) leans."""
+    def choose(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> FloatArray:
+        """(..., 2) offsets by Eq. (1) by which (..., 2) leans come to pressures (..., 2)."""
         if not self.weight:
             return np.zeros_like(lean)
         if self.inverse is None:
-            chosen = -lean @ np.linalg.inv(self.gains).T
+            chosen = (goal - lean) @ np.linalg.inv(self.gains).T
         else:
-            rows = lean.reshape(-1, 2)
-            chosen = self.inverse.choose(self.terms(rows), np.random.default_rng(0)).action.reshape(lean.shape)
+            terms = self.terms(lean.reshape(-1, 2), (goal + np.zeros_like(lean)).reshape(-1, 2))
+            chosen = self.inverse.choose(terms, np.random.default_rng(0)).action.reshape(lean.shape)
         return np.clip(chosen, *_ends(self.balance.forward_model.action))
 
     def expect(self, lean: FloatArray, offset: FloatArray) -> FloatArray:
@@ -95,18 +108,23 @@ class Balancer:
         context, action = np.clip(lean, *_ends(table.contexts[0])), np.clip(offset, *_ends(table.action))
         return self.inverse.expect((context.reshape(-1, 2),), action.reshape(-1, 2)).reshape(lean.shape)
 
-    def offsets(self, lean: FloatArray) -> FloatArray:
-        """(T, B, 2) offsets for (T, B, 2) leans, one tick ahead."""
-        smooth = gaussian_filter1d(self.choose(lean), SMOOTH, axis=0, mode="nearest")
+    def offsets(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> FloatArray:
+        """(T, B, 2) the same, one tick ahead, as smoothly as pressure settles."""
+        smooth = gaussian_filter1d(self.choose(lean, goal), SMOOTH, axis=0, mode="nearest")
         begin = np.minimum(np.arange(len(lean)) / BEGIN, 1)[:, None, None]
         return np.asarray(np.concatenate([smooth[1:], smooth[-1:]]) * begin)
 
     def plan(self, targets: FloatArray, explore: FloatArray | float = 0.0) -> Plan:
         """For (T, B, F) postures that one would like to come to; `explore` (T, B, 2) is added to the offsets."""
-        planned = self.follow(targets)
+        onto, swayless = self.sway(targets)
+        goal = onto @ self.balance.there
+        up = _freed(onto) @ self.balance.free
+        planned = self.follow(swayless - up * (swayless - self.balance.home))
         lean = self.balance.leaning(planned)
-        offset = self.offsets(lean) + explore
-        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, self.expect(lean, offset))
+        offset = self.offsets(lean, goal) + explore
+        planned = planned + up * (swayless - planned)
+        expected = self.expect(lean, offset)
+        return Plan(planned + offset @ self.balance.synergy, planned, lean, offset, expected, goal)
 
     def follow(self, targets: FloatArray) -> FloatArray:
         """(T, B, F) what of postures can be done on both soles; of what carries, only as much as leans little."""
@@ -117,6 +135,19 @@ class Balancer:
         least = minimum_filter1d(share, 4 * EASING + 1, axis=0, mode="nearest")
         eased = gaussian_filter1d(least, EASING, axis=0, mode="nearest")[..., None]
         return np.asarray(rest + eased * (planned - rest))
+
+    def sway(self, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(T, B, 2) how far, from 0 to 1, legs of (T, B, F) postures shift the weight onto the sole of each side, and
+        (T, B, F) the postures without that. On a sole is where one's own weight has to be, however far the teacher's
+        legs sway; who cannot stand on one leg, or does not mind falling, knows no such place."""
+        known, along = self.balance, self.balance.synergy[1]
+        if not (self.weight and known.free.any()):
+            return np.zeros((*targets.shape[:-1], 2)), targets
+        strong = np.abs(along) > ALIKE
+        each = (targets - known.home)[..., strong] / along[strong]
+        far = np.maximum(each.min(-1), 0) + np.minimum(each.max(-1), 0)  # what all do: a leg aside is no shift
+        onto = np.clip(far[..., None] * self.gains[1, 1] / SWAY * np.array(SIDES), 0, 1)
+        return onto, targets - far[..., None] * along
 
     @property
     def gains(self) -> FloatArray:
@@ -144,15 +175,24 @@ class Feeling:
     def __call__(self, loads: FloatArray) -> FloatArray:
         """(B, 2) rad of offset beside the plan's, for the next command; (B, L) loads are those before it."""
         balance, tick = self.balancer.balance, len(self.expected)
-        if tick >= SETTLED + BEGIN:
-            on_soles = loads.sum(-1, keepdims=True) > balance.weight / 2
+        if tick >= SETTLED + BEGIN:  # what was foretold is of both soles
+            both = not self.plan.goal[max(0, tick - WHILE) : tick + WHILE].any()
+            on_soles = both & (loads.sum(-1, keepdims=True) > balance.weight / 2)
             beyond = balance.pressed(loads) - self.expected[tick - SETTLED]
             self.stays = np.clip(self.stays + on_soles * np.clip(beyond, -MOST, MOST) / STAYS, -MOST, MOST)
         after = min(tick + 1, len(self.plan.lean) - 1)
-        lean, offset = (np.broadcast_to(part[after], self.stays.shape) for part in (self.plan.lean, self.plan.offset))
-        more = self.balancer.choose(lean + self.stays) - self.balancer.choose(lean)
+        parts = (self.plan.lean, self.plan.offset, self.plan.goal)
+        lean, offset, goal = (np.broadcast_to(part[after], self.stays.shape) for part in parts)
+        more = self.balancer.choose(lean + self.stays, goal) - self.balancer.choose(lean, goal)
         self.expected.append(self.balancer.expect(lean + self.stays, offset + more))
         return more
+
+
+def _freed(onto: FloatArray) -> FloatArray:
+    """(T, B, 2) how free, from 0 to 1, the leg beside each sole is while the weight is on the sole, `sway`: only well
+    after it came there and before it leaves."""
+    there = minimum_filter1d((onto > ON).astype(float), 2 * LATE + 1, axis=0, mode="nearest")
+    return np.asarray(gaussian_filter1d(there, LATE / 3, axis=0, mode="nearest"))
 
 
 def _ends(axis: Axis) -> tuple[FloatArray, FloatArray]:

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from babbling.balance import SATURATED, Balance, Stood, _least, _pairs, features, find_pressure, settled, wiggled
+from babbling.balance import SATURATED, Balance, Stood, features, find_pressure, settled, wiggled
 from babbling.errors import BabblingError
+from babbling.synergies import find_pairs, least
 from tests.babbling import soles
 from tests.babbling.soles import COUNT, EFFECTS, HOME, PAIRS, PATTERNS, PRESSURE, REST, TICK, TURNS, learned
 
@@ -87,7 +88,7 @@ def test_wiggling_finds_what_carries_and_what_each_joint_does(seed: int) -> None
     assert known.weight == pytest.approx(soles.WEIGHT, rel=0.05)
     np.testing.assert_allclose(known.leaning(HOME + 0.05), known.rest + 0.05 * PRESSURE.sum(1), atol=0.01)
     strain = known.effects - PATTERNS @ (BOTH @ known.effects)
-    assert set(_pairs(strain, known.carries > 0)) == PAIRS
+    assert set(find_pairs(strain, known.carries > 0)) == PAIRS
 
 
 def test_what_the_wiggle_itself_feels_like_is_no_effect() -> None:
@@ -104,8 +105,8 @@ def test_what_the_wiggle_itself_feels_like_is_no_effect() -> None:
 def test_pairs_have_signs_and_nobody_is_in_two() -> None:
     strain = np.array([[1.0, 1.0, -1.1, 0.0, 0.0], [0.0, 0.0, 0.0, 2.0, 2.0]])
     carries = np.array([True, False, True, True, True])
-    assert set(_pairs(strain, carries)) == {(0, 2, 1), (3, 4, -1)}
-    assert _pairs(np.eye(4), np.ones(4, bool)) == []
+    assert set(find_pairs(strain, carries)) == {(0, 2, 1), (3, 4, -1)}
+    assert find_pairs(np.eye(4), np.ones(4, bool)) == []
 
 
 def test_a_synergy_changes_pressure_its_own_way_and_nothing_else(known: Balance) -> None:
@@ -123,16 +124,16 @@ def test_of_all_that_does_it_the_least_is_taken() -> None:
     """The stronger of two that push the same way does most of it, and what does harm is made up for."""
     pressure = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     one = np.array([1.0, 0.0])
-    alone = _least(np.array([[6.0, 4.0], [0.0, 0.0], [0.0, 0.0]]), pressure, one)
+    alone = least(np.array([[6.0, 4.0], [0.0, 0.0], [0.0, 0.0]]), pressure, one)
     np.testing.assert_allclose(alone, [1.0, 0.0], atol=1e-9)
-    mended = _least(np.array([[6.0, 4.0], [0.0, 6.0], [0.0, 0.0]]), pressure, np.array([4.0, 6.0]))
+    mended = least(np.array([[6.0, 4.0], [0.0, 6.0], [0.0, 0.0]]), pressure, np.array([4.0, 6.0]))
     np.testing.assert_allclose(mended, [0.0, 1.0], atol=1e-9)
     for wanted in np.eye(2):
-        found = _least(np.array([[6.0, 4.0, 1.0], [0.5, 6.0, 0.0], [0.0, 0.0, 0.0]]), pressure, wanted)
+        found = least(np.array([[6.0, 4.0, 1.0], [0.5, 6.0, 0.0], [0.0, 0.0, 0.0]]), pressure, wanted)
         changed = np.array([[6.0, 4.0, 1.0], [0.5, 6.0, 0.0]]) @ found
         np.testing.assert_allclose(changed / changed.max(), wanted, atol=1e-9)
     strained = np.array([[6.0, 5.9], [0.0, 0.0], [60.0, 0.0]])
-    np.testing.assert_allclose(_least(strained, pressure, one), [0.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(least(strained, pressure, one), [0.0, 1.0], atol=1e-9)
 
 
 def test_following_keeps_what_pairs_can_do_and_leaves_what_strains(known: Balance) -> None:

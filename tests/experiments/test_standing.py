@@ -5,8 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+import experiments.shared.one_leg as one_leg
 import experiments.shared.standing as standing
 from babbling.balance import Balance
+from babbling.belief import USUAL, StateEstimate
 from babbling.kalman import Belief
 from babbling.mind import Mind, learn
 from experiments.shared.options import BodyOptions
@@ -14,7 +16,6 @@ from experiments.shared.standing import (
     Joints,
     Learner,
     Performance,
-    bounded,
     learn_balance,
     perform,
     standing_of,
@@ -129,6 +130,22 @@ def test_balance_is_learned_and_counted(balance: Balance, hurried: list[float], 
     assert hurried == [1 / 3, 2 / 3, 1.0]
 
 
+def test_one_leg_is_learned_after_both_and_takes_nothing_of_them_away(
+    balance: Balance, mind: Mind, hung: SimulatedBody, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in {"TRIES": 4, "ALONE": 6, "ALONE_S": 1.2}.items():
+        monkeypatch.setattr(one_leg, name, value)
+    told: list[float] = []
+    found = one_leg.learn_to_stand(OPTIONS, mind, hung, told.append)
+    for name in ("effects", "synergy", "weights", "following"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(balance, name))
+    np.testing.assert_allclose(found.minutes, [*balance.minutes, 4 * 3.3 / 60, 6 * 3.5 / 60])
+    assert len(found.falls) == 5 and (found.falls[-2:] <= [4, 6]).all()
+    assert (found.free <= found.carries).all() and not (found.free.all(0)).any(), "no joint is of both legs"
+    assert not balance.free.any() and not balance.there.any()
+    assert told == sorted(told) and told[-1] == 1.0
+
+
 def test_learners_are_others_every_time_and_none_of_those_who_are_judged(mind: Mind, hung: SimulatedBody) -> None:
     learner, masses = Learner(OPTIONS, mind, hung, lambda share: None, [], []), []
     for _ in range(2):
@@ -146,7 +163,7 @@ def test_what_comes_just_before_a_fall_is_part_of_it(balance: Balance, mind: Min
     postures = balance.home + tip @ balance.synergy
     nothing = 0 * tip
     learner = Learner(OPTIONS, mind, hung, lambda share: None, [], [])
-    run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing))
+    run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing, nothing))
     twin, down = standing_of(OPTIONS, 2, 7), []
     for command in postures:
         twin.act(mind.pilot.schema.motors(command))
@@ -230,10 +247,12 @@ def test_what_stays_of_what_is_felt_is_answered_and_foretold(balance: Balance, m
 def test_a_bias_beyond_what_babbling_showed_is_something_in_the_way(mind: Mind) -> None:
     usual = np.sqrt(mind.pilot.dynamics.bias_variance)
     mean = np.zeros((2, len(usual), 3))
-    mean[0, :, 2], mean[1, 3, 2] = 0.9 * standing.USUAL * usual, -1.1 * standing.USUAL * usual[3]
-    belief, resisted = bounded(Belief(mean, np.zeros((len(usual), 3, 3))), mind)
+    mean[0, :, 2], mean[1, 3, 2] = 0.9 * USUAL * usual, -1.1 * USUAL * usual[3]
+    belief, resisted = StateEstimate(mind.pilot.schema, mind.pilot.dynamics).usual(
+        Belief(mean, np.zeros((len(usual), 3, 3)))
+    )
     np.testing.assert_array_equal(belief.mean[0], mean[0])
-    np.testing.assert_allclose(belief.mean[1, 3], [0, 0, -standing.USUAL * usual[3]])
+    np.testing.assert_allclose(belief.mean[1, 3], [0, 0, -USUAL * usual[3]])
     assert np.argwhere(resisted).tolist() == [[1, 3]]
 
 

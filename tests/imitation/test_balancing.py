@@ -7,7 +7,7 @@ import pytest
 
 from babbling.balance import SETTLED, Balance
 from experiments.gesture.options import Config
-from imitation.acting.balancing import BEGIN, MATCH, MOST, STAYS, WEIGHT, Balancer, Feeling
+from imitation.acting.balancing import BEGIN, MATCH, MOST, ON, STAYS, SWAY, WEIGHT, Balancer, Feeling
 from imitation.acting.balancing import LEANS as LEANS_MOST
 from tests.babbling import soles
 from tests.babbling.soles import COUNT, HOME, PRESSURE, TICK
@@ -193,3 +193,57 @@ def test_as_foretold_nothing_is_added(stood: Balance) -> None:
 
 def test_the_option_and_the_law_agree_on_how_much_balance_counts() -> None:
     assert Config().balance_weight == WEIGHT
+
+
+@pytest.fixture(scope="module")
+def on_one(stood: Balance) -> Balance:
+    """Joints 2, 3, 6, 7 sway; on either sole one of 0 and 1, and of 4 and 5, is free."""
+    sway = np.array([0, 0, 1, -1, 0, 0, 1, -1.0, 0, 0])
+    free = np.array([[1, 0, 0, 0, 1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 1, 0, 0, 0, 0.0]])
+    return replace(
+        stood, synergy=np.stack([stood.synergy[0], sway]), there=np.array([[0.05, -0.6], [-0.05, 0.7]]), free=free
+    )
+
+
+def swayed(rad: float, lift: float = 0.0) -> np.ndarray:
+    """(T, 1, F) the legs sway, one joint is lifted meanwhile, and back."""
+    second = np.arange(400) * TICK
+    share, up = (np.interp(second, [a, b, 8 - b, 8 - a], [0, 1, 1, 0])[:, None, None] for a, b in ((1, 2), (2, 3)))
+    return np.asarray(HOME + share * rad * np.array([0, 0, 1, -1, 0, 0, 1, -1.0, 0, 0]) + up * lift * np.eye(COUNT)[0])
+
+
+def test_pressure_goes_where_the_teachers_legs_shift_the_weight(on_one: Balance) -> None:
+    """And not where but one of them goes aside; nor for a squat, or for who cannot stand on one leg."""
+    balancer = Balancer(on_one)
+    gain = balancer.gains[1, 1]
+    for side, there in zip((-1, 1), on_one.there, strict=True):
+        np.testing.assert_allclose(balancer.plan(swayed(side * 0.5 / gain)).goal[200, 0], there)
+        np.testing.assert_allclose(balancer.plan(swayed(side * SWAY / 2 / gain)).goal[200, 0], there / 2)
+        far = balancer.plan(swayed(side * 0.6 / gain))
+        np.testing.assert_allclose(far.planned[200], HOME[None], atol=1e-9)
+        assert np.abs(far.expected[200, 0] - there).max() < 0.1
+    aside = swayed(0.5 / gain)
+    aside[..., 3] = HOME[3]
+    crouch = HOME + 0.3 * np.eye(COUNT)[[0, 1]].sum(0)[None, None].repeat(80, 0)
+    for still in (aside, crouch):
+        plan = balancer.plan(still)
+        assert not plan.goal.any()
+        np.testing.assert_array_equal(plan.offset, Balancer(replace(on_one, free=0 * on_one.free)).plan(still).offset)
+    both = Balancer(replace(on_one, free=0 * on_one.free)).plan(swayed(0.5 / gain))
+    assert not both.goal.any() and np.abs(both.expected[BEGIN:]).max() < 0.1
+
+
+def test_a_leg_is_free_while_the_weight_is_beside_it_and_only_then(on_one: Balance) -> None:
+    balancer = Balancer(on_one)
+    gain = balancer.gains[1, 1]
+    targets = swayed(-0.5 / gain, 0.8)
+    lifted = balancer.plan(targets).planned[:, 0, 0] - HOME[0]
+    wanted = targets[:, 0, 0] - HOME[0]
+    np.testing.assert_allclose(lifted[150:250], wanted[150:250])
+    other = balancer.plan(swayed(0.5 / gain, 0.8)).planned[:, 0, 0] - HOME[0]
+    assert np.abs(other).max() < 0.4, "that leg carries: what pairs can do of it at most"
+    early = swayed(-0.5 / gain, 0.8)
+    early[:, :, 0] = HOME[0] + 0.8
+    lifted = balancer.plan(early).planned[:, 0, 0] - HOME[0]
+    onto = balancer.sway(early)[0][:, 0, 0]
+    assert np.abs(lifted[onto < ON]).max() < 0.41 < 0.79 < lifted[200]

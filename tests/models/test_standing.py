@@ -124,3 +124,14 @@ def test_what_cannot_be_is_refused() -> None:
     for force in (1e4, np.nan):
         with pytest.raises(BodyError, match="500 N at most"):
             body.push(np.array([force, 0, 0]))
+
+
+def test_feet_are_as_high_as_they_are_lifted() -> None:
+    body = load_standing("hoap2", copies=2, threads=1)
+    np.testing.assert_array_equal(body.lifted, 0)
+    up = body.joint_angles.copy()
+    for joint, degrees in (("3", -25.0), ("4", 50.0), ("5", -25.0)):
+        up[1, body.joints.index(f"right_leg_joint_{joint}")] += np.deg2rad(degrees)
+    for _ in range(10):
+        body.act(body.command_angles(up))
+    assert np.abs(body.lifted[0]).max() < 0.003 and body.lifted[1, 1] > 0.01 > abs(body.lifted[1, 0])
