@@ -11,9 +11,9 @@ from experiments.gesture.options import Config
 from experiments.gesture.standing_figures import figures
 from experiments.gesture.standing_found import Stands
 from experiments.gesture.standing_recording import record
-from experiments.gesture.standing_study import Cell, prepared, study
+from experiments.gesture.standing_study import ENOUGH, Cell, prepared, study
 from experiments.shared.experiment import Result
-from experiments.shared.judging import lately, rmse_deg
+from experiments.shared.judging import interval_95, lately, rmse_deg
 from experiments.shared.minds import Learned, body_of
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.progress import progress
@@ -166,19 +166,35 @@ def summarise(metrics: dict[str, Any], stands: Stands) -> str:
 
 def study_table(metrics: dict[str, Any]) -> str:
     """Falls by speed, then everything else of the study."""
-    header = ("falls of runs", *metrics["falls"])
-    speeds = next(iter(metrics["falls"].values()))
-    runs, hard, each = metrics["runs"], metrics["hardships"], metrics["hardship_runs"]
-    rows = [
-        (f"{speed} times as fast", *(f"{one[speed]} of {runs[who][speed]}" for who, one in metrics["falls"].items()))
-        for speed in speeds
+    falls, runs, each = metrics["falls"], metrics["runs"], metrics["hardship_runs"]
+    speeds = list(falls["ours"])
+
+    def share(who: str, speed: str) -> str:
+        if speed not in falls[who]:
+            return "-"
+        count = runs[who][speed]
+        return f"{falls[who][speed]} of {count} (to {interval_95(falls[who][speed], count)[1]:.0%})"
+
+    rows = [(f"{speed} times as fast", *(share(who, speed) for who in falls)) for speed in speeds]
+    parts = [table(rows, ("falls", *falls))]
+    facing = next(iter(metrics["hardships"].values()))
+    hardships = [(name, *(f"{n} of {each}" for n in one.values())) for name, one in metrics["hardships"].items()]
+    parts.append(table(hardships, ("falls", *facing)))
+    shown = [
+        (f"{name} ({ENOUGH[name]:g})", *(f"{n} of {each}" for n in one.values()))
+        for name, one in metrics["shown_enough"].items()
     ]
-    hardships = [(name, *(f"{n} of {each}" for n in one.values())) for name, one in hard.items()]
-    parts = [table(rows, header), table(hardships, ("falls", *next(iter(hard.values()))))]
+    parts.append(table(shown, ("done (degrees, s on one leg, steps)", *facing)))
     pushes = [
         (f"{when}, {who}", f"{np.mean(one):.2f}", f"{min(one):.1f}")
         for when, all_ in metrics["push_impulse_ns"].items()
         for who, one in all_.items()
     ]
     parts.append(table(pushes, ("push survived by half of the runs [N s]", "mean of 8 directions", "least")))
+    free = [
+        (clip, f"{np.mean(told):.3f}", f"{np.max(told):.3f}", f"{metrics['touching_share'][clip]:.0%}")
+        for clip, one in metrics["joint_rmse_free_deg"].items()
+        if (told := [error for error in one if error is not None])
+    ]
+    parts.append(table(free, ("joints that do not carry, nothing touching [deg]", "mean", "worst of 20", "touching")))
     return "\n\n".join(parts)

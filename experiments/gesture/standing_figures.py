@@ -13,7 +13,9 @@ from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
 
 DIRECTIONS = ("forward and back", "sideways")
 """What people call the two directions of pressure."""
-INK = {"ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": INKS["green"]}
+INK = {
+    "ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": INKS["green"], "blind": INKS["violet"], "both": INKS["cyan"]
+}  # fmt: skip
 
 
 def figures(stands: Stands, metrics: Mapping[str, Any]) -> dict[str, Figure]:

@@ -1,6 +1,8 @@
 """HOAP-2 learns to stand on its feet, in a hurry, and does short movements there: what is felt, and what is sent."""
 
+import json
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +11,10 @@ import experiments.shared.one_leg as one_leg
 import experiments.shared.standing as standing
 from babbling.balance import Balance
 from babbling.belief import USUAL, StateEstimate
+from babbling.files import load
 from babbling.kalman import Belief
 from babbling.mind import Mind, learn
+from experiments.__main__ import main
 from experiments.shared.options import BodyOptions
 from experiments.shared.standing import (
     Joints,
@@ -278,3 +282,25 @@ def test_who_holds_an_arm_is_noticed_and_lets_go(balance: Balance, mind: Mind, h
     assert not done[0].resisted[..., line].any() and done[1].resisted[66:79, 0, line].all()
     after = np.rad2deg(np.abs(done[1].angles - done[0].angles)[:, 0, body.joints.index(joint)])
     assert after[78] > 3 and after[95:].max() < 0.3
+
+
+def test_a_mind_and_its_balance_are_left_by_one_command_and_taken_by_the_next(
+    hurried: list[float], tmp_path: Path
+) -> None:
+    mind, balance, out = tmp_path / "mind.nc", tmp_path / "mind.balance.nc", tmp_path / "out"
+    assert main(["babble", "--robot", "hoap2", "--stand", "--babbling-minutes", "0.3", "--out", str(mind)]) == 0
+    found = load(balance, Balance)
+    found.check(standing_of(OPTIONS, 1, 0))
+    movement = tmp_path / "arms.csv"
+    angles = np.tile(HOME, (8, 1))
+    angles[:, JOINTS.index("left_arm_joint_1")] += np.linspace(0, -0.4, 8)
+    rows = [",".join(map(str, [n / 10, *row])) for n, row in enumerate(angles)]
+    movement.write_text("\n".join([",".join(["time", *JOINTS]), *rows]))
+    taken = ["--forward-model", str(mind), "--balance", str(balance), "--demonstration", str(movement)]
+    assert main(["gesture", "--stand", *taken, "--push", "0.2,3,0,0", "--out", str(out)]) == 0
+    metrics = json.loads((out / "metrics.json").read_text())
+    assert metrics["balance_body_minutes"] == pytest.approx(found.minutes.sum())
+    assert set(metrics["fell"]) == {"ours", "linear", "replay"} and not metrics["fell"]["ours"]
+    assert metrics["joint_rmse_deg"] < 1 and metrics["contact_frames_share"] == 0 < metrics["choice_p50_ms"]
+    assert {"recording.rrd", "standing.png"} <= {file.name for file in out.iterdir()}
+    assert main(["gesture", "--stand", *taken, "--robot", "hoap2-worn", "--out", str(out / "other")]) == 2
