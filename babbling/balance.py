@@ -125,6 +125,8 @@ class Balance(OfOneBody):
     fingerprint: str
     home: Annotated[FloatArray, Numbers("motor", "rad")]
     """(F,) the posture that wiggling was about."""
+    reach: Annotated[FloatArray, Numbers("end motor", "rad")]
+    """(2, F) how far joints go."""
     lines: Annotated[IntArray, Numbers("load", low=0, high=1e6)]
     """(L,) sense lines of the loads."""
     weight: Annotated[float, Numbers(unit="N", low=0, zero=False)]
@@ -160,7 +162,7 @@ class Balance(OfOneBody):
 
     def safe(self, postures: FloatArray) -> FloatArray:
         """(..., F) what of (..., F) postures can be done with both soles flat."""
-        return np.asarray(self.home + (postures - self.home) @ self.following.T)
+        return np.clip(self.home + (postures - self.home) @ self.following.T, *self.reach)
 
     def leaning(self, planned: FloatArray) -> FloatArray:
         """(..., 2) where pressure would settle in (..., F) postures without any offset."""
@@ -174,7 +176,13 @@ def features(beside: FloatArray) -> FloatArray:
 
 
 def wiggled(
-    run: Stood, home: FloatArray, pressure: FloatArray, lines: IntArray, tick_s: float, fingerprint: str
+    run: Stood,
+    home: FloatArray,
+    reach: FloatArray,
+    pressure: FloatArray,
+    lines: IntArray,
+    tick_s: float,
+    fingerprint: str,
 ) -> Balance:
     """Points 2 and 3: what carries, pairs, synergies; no table yet, and a lean that is the line of the wiggles.
 
@@ -212,8 +220,8 @@ def wiggled(
     products = np.zeros((2, count * (count + 1) // 2))
     lean = np.column_stack([rest, pressure @ effects, products])
     return Balance(
-        fingerprint, home, lines, weight, pressure, effects, carries.astype(float), following, synergy, rest, lean,
-        _empty(fingerprint), np.zeros(0), np.zeros(0), np.zeros((2, 2)), np.zeros((2, count)),
+        fingerprint, home, reach, lines, weight, pressure, effects, carries.astype(float), following, synergy, rest,
+        lean, _empty(fingerprint), np.zeros(0), np.zeros(0), np.zeros((2, 2)), np.zeros((2, count)),
     )  # fmt: skip
 
 

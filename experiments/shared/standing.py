@@ -121,7 +121,8 @@ def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report:
     beside = wander(np.full(len(home), WIGGLE), body, WIGGLING_S, rng, GENTLY)
     still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(4)))
     run = learner.stand(body, still)
-    found = wiggled(run, home, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
+    reach = np.stack([mind.pilot.low, mind.pilot.high])
+    found = wiggled(run, home, reach, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
     runs: list[Stood] = []
     low, high, carries = mind.pilot.low, mind.pilot.high, found.carries > 0
     for share in STAGES:

@@ -29,6 +29,7 @@ for _one, (_i, _j, _sign) in zip(STRAINS, sorted(PAIRS), strict=True):
     EFFECTS[:, _i] += _one
     EFFECTS[:, _j] -= _sign * _one
 HOME = np.linspace(-0.3, 0.4, COUNT)
+REACH = HOME + np.array([[-2.0], [1.5]])
 REST = np.array([-0.1, 0.05])
 WRONG = np.array([-0.1, -0.15])
 """Pressure a moment after a rad/s of pressure per second: the wrong way."""
@@ -79,7 +80,7 @@ def wiggle(rng: np.random.Generator, copies: int = 12, uneven: float = 0.02, tur
 
 def learned(rng: np.random.Generator, turns: FloatArray = TURNS) -> Balance:
     """What wiggling teaches."""
-    return wiggled(wiggle(rng, turns=turns), HOME, np.stack([FRONT, LEFT]), np.arange(8), TICK, "soles")
+    return wiggled(wiggle(rng, turns=turns), HOME, REACH, np.stack([FRONT, LEFT]), np.arange(8), TICK, "soles")
 
 
 def lean(postures: FloatArray, product: float = MUCH) -> FloatArray:

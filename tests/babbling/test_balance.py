@@ -9,7 +9,7 @@ from babbling.balance import SATURATED, Balance, Stood, features, find_pressure,
 from babbling.errors import BabblingError
 from babbling.synergies import find_pairs, least
 from tests.babbling import soles
-from tests.babbling.soles import COUNT, EFFECTS, HOME, PAIRS, PATTERNS, PRESSURE, REST, TICK, TURNS, learned
+from tests.babbling.soles import COUNT, EFFECTS, HOME, PAIRS, PATTERNS, PRESSURE, REACH, REST, TICK, TURNS, learned
 
 BOTH = np.stack([soles.FRONT, soles.LEFT])
 FIRST, SECOND = np.triu_indices(COUNT)
@@ -95,7 +95,7 @@ def test_what_the_wiggle_itself_feels_like_is_no_effect() -> None:
     """Pressure goes the wrong way while a joint moves: the line of the settled posture is found without it."""
     rng = np.random.default_rng(5)
     run = soles.wiggle(rng)
-    slow = wiggled(run, HOME, BOTH, np.arange(8), TICK, "soles")
+    slow = wiggled(run, HOME, REACH, BOTH, np.arange(8), TICK, "soles")
     own = run.loads[4:] / run.loads[4:].sum(-1, keepdims=True)
     x, y = (v - v.mean(0) for v in (run.told[:-4], own))
     naive = np.linalg.lstsq(x.reshape(-1, COUNT), y.reshape(-1, 8), rcond=None)[0].T
@@ -150,6 +150,8 @@ def test_following_keeps_what_pairs_can_do_and_leaves_what_strains(known: Balanc
         beside = known.safe(HOME + ankles) - HOME
         assert np.abs(PRESSURE @ beside).max() < 0.05 < 0.2 * np.abs(PRESSURE @ ankles).max()
     np.testing.assert_array_equal(known.safe(HOME), HOME)
+    assert known.safe(HOME + 9 * np.eye(COUNT)[8])[8] == REACH[1, 8], "no further than the joint goes"
+    assert known.safe(HOME - 9 * np.eye(COUNT)[8])[8] == REACH[0, 8]
 
 
 def test_a_body_without_pairs_is_told_so() -> None:
@@ -159,7 +161,7 @@ def test_a_body_without_pairs_is_told_so() -> None:
     beside = np.concatenate([run.told[:1].repeat(4, 0), run.told[:-4]]) - HOME
     run = run._replace(loads=70 * (1 / 8 + beside @ odd))
     with pytest.raises(BabblingError, match="no joints carry it in pairs") as caught:
-        wiggled(run, HOME, BOTH, np.arange(8), TICK, "soles")
+        wiggled(run, HOME, REACH, BOTH, np.arange(8), TICK, "soles")
     assert "\n" not in str(caught.value)
 
 
