@@ -78,10 +78,12 @@ def learning(metrics: Mapping[str, Any]) -> Figure:
     figure = Figure(figsize=(6.5, 3.8), layout="constrained")
     axes = figure.subplots()
     minutes, fell = np.array(metrics["balance_stage_minutes"]), np.array(metrics["balance_stage_falls"])
-    names = ["rocked", "wiggles", *(f"stage {n + 1}" for n in range(len(minutes) - 2))]
-    axes.bar(names, fell / np.maximum(minutes, 1e-9), color=OURS)
+    moves = [f"moves {n + 1}" for n in range(len(minutes) - 4)]
+    bars = axes.bar(["rocked", "wiggles", *moves, "tries a leg", "on one leg"], fell / minutes, color=OURS)
+    axes.bar_label(bars, [f"{n:g} in {m:.1f}" for n, m in zip(fell, minutes, strict=True)], fontsize=8)
+    axes.tick_params("x", labelrotation=30)
     axes.set(ylabel="falls in a body-minute", title=f"Learning to stand: {minutes.sum():.1f} body-minutes")
-    axes.set_xlabel("each stage moves further about than the one before")
+    axes.set_xlabel("moves go further about stage by stage; falls in body-minutes of each")
     return figure
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from babbling.axes import Axis, FloatArray
-from babbling.balance import SETTLED, Balance
+from babbling.balance import SATURATED, SETTLED, Balance
 from babbling.one_leg import SIDES
 from babbling.synergies import ALIKE
 from imitation.inference.inverse import BayesianInverse, InverseModel, LinearInverse, Term
@@ -39,6 +39,8 @@ BEGIN = 25
 """Ticks over which the offset is taken up at first."""
 STAYS = 100.0
 """Ticks over which what stays is told from what passes. Pressure goes the wrong way first: at 30 it shakes itself."""
+QUICK, LATELY = 0.2, 10
+"""Who leans by so much within so many ticks feels half of what stays: the rest is its own movement."""
 WHILE = 25
 """Ticks before and after a shift of weight in which nothing of it is heeded."""
 MOST = 1.0
@@ -178,14 +180,21 @@ class Feeling:
         if tick >= SETTLED + BEGIN:  # what was foretold is of both soles
             both = not self.plan.goal[max(0, tick - WHILE) : tick + WHILE].any()
             on_soles = both & (loads.sum(-1, keepdims=True) > balance.weight / 2)
-            beyond = balance.pressed(loads) - self.expected[tick - SETTLED]
-            self.stays = np.clip(self.stays + on_soles * np.clip(beyond, -MOST, MOST) / STAYS, -MOST, MOST)
+            felt = balance.pressed(loads)
+            beyond = np.clip(felt - self.expected[tick - SETTLED], -MOST, MOST)
+            counts = on_soles * (np.abs(felt) < SATURATED) / (1 + (self._pace(tick) / QUICK) ** 2)
+            self.stays = np.clip(self.stays + counts * beyond / STAYS, -MOST, MOST)
         after = min(tick + 1, len(self.plan.lean) - 1)
         parts = (self.plan.lean, self.plan.offset, self.plan.goal)
         lean, offset, goal = (np.broadcast_to(part[after], self.stays.shape) for part in parts)
         more = self.balancer.choose(lean + self.stays, goal) - self.balancer.choose(lean, goal)
         self.expected.append(self.balancer.expect(lean + self.stays, offset + more))
         return more
+
+    def _pace(self, tick: int) -> FloatArray:
+        """(B, 2) how much the lean planned changed of late."""
+        lean, last = self.plan.lean, len(self.plan.lean) - 1
+        return np.asarray(np.abs(lean[min(tick, last)] - lean[max(0, min(tick, last) - LATELY)]))
 
 
 def _freed(onto: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ import pytest
 
 from babbling.balance import SETTLED, Balance
 from experiments.gesture.options import Config
-from imitation.acting.balancing import BEGIN, MATCH, MOST, ON, STAYS, SWAY, WEIGHT, Balancer, Feeling
+from imitation.acting.balancing import BEGIN, LATELY, MATCH, MOST, ON, QUICK, STAYS, SWAY, WEIGHT, Balancer, Feeling
 from imitation.acting.balancing import LEANS as LEANS_MOST
 from tests.babbling import soles
 from tests.babbling.soles import COUNT, HOME, PRESSURE, TICK
@@ -179,6 +179,23 @@ def test_in_the_air_nothing_is_felt_and_nothing_stays_beyond_the_soles(stood: Ba
     for _ in range(390):
         feeling(felt(stood, np.array([[0.9, 0.9], [0.9, 0.9]])) * np.array([[1.0], [0.4]]))
     assert (feeling.stays[0] > 0.5).all() and (feeling.stays <= MOST).all() and not feeling.stays[1].any()
+
+
+def test_of_a_quick_movement_and_of_the_edge_less_is_heeded(stood: Balance) -> None:
+    balancer = Balancer(stood)
+    plan = balancer.plan(np.repeat(HOME[None], 60, 0)[:, None])
+    ramp = np.arange(60)[:, None, None] * np.array([QUICK / LATELY, 0.0])
+    after = []
+    for lean in (0 * ramp, ramp):
+        feeling = Feeling(balancer, plan._replace(lean=lean), 1)
+        for _ in range(SETTLED + BEGIN):
+            feeling(felt(stood, np.zeros((1, 2))))
+        feeling(felt(stood, feeling.expected[-SETTLED] + 0.2))
+        after.append(feeling.stays[0])
+        feeling(felt(stood, np.array([[1.0, 0.2]])))
+        assert feeling.stays[0, 0] == after[-1][0] and feeling.stays[0, 1] != after[-1][1], "at the edge: that way not"
+    np.testing.assert_allclose(after[0], 0.2 / STAYS)
+    np.testing.assert_allclose(after[1], [0.1 / STAYS, 0.2 / STAYS])
 
 
 def test_as_foretold_nothing_is_added(stood: Balance) -> None:
