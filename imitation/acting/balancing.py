@@ -40,7 +40,7 @@ BEGIN = 25
 STAYS = 100.0
 """Ticks over which what stays is told from what passes. Pressure goes the wrong way first: at 30 it shakes itself."""
 QUICK, LATELY = 0.2, 10
-"""Who leans by so much within so many ticks feels half of what stays: the rest is its own movement."""
+"""Where pressure changes so much within so many ticks, half as much of it may stay: it is a movement, or a push."""
 WHILE = 25
 """Ticks before and after a shift of weight in which nothing of it is heeded."""
 MOST = 1.0
@@ -173,14 +173,17 @@ class Feeling:
         """(B, 2) units of pressure by which one seems to lean more than planned."""
         self.expected = list[FloatArray]()
         """Of every tick so far, (B, 2) pressure foretold of it once settled."""
+        self.lately = list[FloatArray]()
+        """(B, 2) pressures of the last `LATELY` ticks, and now."""
 
     def __call__(self, loads: FloatArray) -> FloatArray:
         """(B, 2) rad of offset beside the plan's, for the next command; (B, L) loads are those before it."""
         balance, tick = self.balancer.balance, len(self.expected)
+        felt = balance.pressed(loads)
+        self.lately = [*self.lately[-LATELY:], felt]
         if tick >= SETTLED + BEGIN:  # what was foretold is of both soles
             both = not self.plan.goal[max(0, tick - WHILE) : tick + WHILE].any()
             on_soles = both & (loads.sum(-1, keepdims=True) > balance.weight / 2)
-            felt = balance.pressed(loads)
             beyond = np.clip(felt - self.expected[tick - SETTLED], -MOST, MOST)
             counts = on_soles * (np.abs(felt) < SATURATED) / (1 + (self._pace(tick) / QUICK) ** 2)
             self.stays = np.clip(self.stays + counts * beyond / STAYS, -MOST, MOST)
@@ -192,9 +195,10 @@ class Feeling:
         return more
 
     def _pace(self, tick: int) -> FloatArray:
-        """(B, 2) how much the lean planned changed of late."""
+        """(B, 2) how much pressure, or the lean planned, changed of late: the more of both."""
         lean, last = self.plan.lean, len(self.plan.lean) - 1
-        return np.asarray(np.abs(lean[min(tick, last)] - lean[max(0, min(tick, last) - LATELY)]))
+        planned = np.abs(lean[min(tick, last)] - lean[max(0, min(tick, last) - LATELY)])
+        return np.asarray(np.maximum(planned, np.abs(self.lately[-1] - self.lately[0])))
 
 
 def _freed(onto: FloatArray) -> FloatArray:

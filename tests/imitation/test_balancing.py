@@ -186,16 +186,18 @@ def test_of_a_quick_movement_and_of_the_edge_less_is_heeded(stood: Balance) -> N
     plan = balancer.plan(np.repeat(HOME[None], 60, 0)[:, None])
     ramp = np.arange(60)[:, None, None] * np.array([QUICK / LATELY, 0.0])
     after = []
-    for lean in (0 * ramp, ramp):
+    for lean, pushed in ((0 * ramp, 0.2), (ramp, 0.2), (0 * ramp, 0.2 - QUICK)):
         feeling = Feeling(balancer, plan._replace(lean=lean), 1)
         for _ in range(SETTLED + BEGIN):
-            feeling(felt(stood, np.zeros((1, 2))))
-        feeling(felt(stood, feeling.expected[-SETTLED] + 0.2))
+            feeling(felt(stood, plan.expected[0] + pushed))
+        feeling.expected[-SETTLED] = plan.expected[0]
+        feeling(felt(stood, plan.expected[0] + 0.2))
         after.append(feeling.stays[0])
         feeling(felt(stood, np.array([[1.0, 0.2]])))
         assert feeling.stays[0, 0] == after[-1][0] and feeling.stays[0, 1] != after[-1][1], "at the edge: that way not"
     np.testing.assert_allclose(after[0], 0.2 / STAYS)
     np.testing.assert_allclose(after[1], [0.1 / STAYS, 0.2 / STAYS])
+    np.testing.assert_allclose(after[2], 0.1 / STAYS)
 
 
 def test_as_foretold_nothing_is_added(stood: Balance) -> None:
