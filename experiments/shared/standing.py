@@ -35,6 +35,8 @@ QUIET = 0.3
 """Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
 BEFORE_S = 0.3
 """What comes so shortly before a fall is part of it."""
+FARTHEST = 16.0
+"""Standard deviations of what babbling did beside its habit; 13 are the most that clips ask of a body on its stand."""
 LET_GO_S = 0.1
 """What touched comes free within that; until then it counts as touching."""
 LEARNERS = 100_000
@@ -248,7 +250,7 @@ def perform(
     joints, carries = Joints(hung, body), known.carries > 0
     resting = round(REST_S / tick)
     senses = np.concatenate([movement.senses, np.repeat(movement.senses[-1:], resting, 0)])
-    imitator = Imitator(mind, replace(movement, senses=senses))
+    imitator = Imitator(mind, replace(movement, senses=senses), farthest=FARTHEST * mind.forward_model.habit[1])
     felt = body.reset()
     state = imitator.start(joints.felt(felt))
     plan = balancer.plan(state.targets[:, :1])

@@ -25,10 +25,6 @@ from imitation.errors import ImitationError
 from imitation.inference.inverse import Term
 from imitation.inference.moving import AveragedInverse, Here, MovingInverse
 
-FARTHEST = 16.0
-"""Standard deviations of what babbling did beside its habit: no command is further from the believed posture. Knocked
-out of its way, a joint would otherwise be told what no line foretells, and swing for a second."""
-
 
 class State(NamedTuple):
     """All that the next step needs; never changed, so that a step can be taken again or another way."""
@@ -106,6 +102,8 @@ class Imitator:
         eagerness: (F,) or (B, F) share of the believed error to undo within one tick; None is the mind's own temper.
         terms: what else an action should bring about, to be multiplied into Eq. (1): asked at every tick with (B, S)
             senses and (B, F, 3) believed posture, rate and bias.
+        farthest: (F,) rad that a command may be from the believed posture, for a body that may be knocked: told of
+            more than any line foretells, a joint swings for a second.
 
     Raises:
         ImitationError: a posture that the mind needs was not seen.
@@ -120,6 +118,7 @@ class Imitator:
         inverse: MovingInverse | None = None,
         eagerness: FloatArray | float | None = None,
         terms: Callable[[FloatArray, FloatArray], Sequence[Term]] = lambda senses, believed: (),
+        farthest: FloatArray | float = np.inf,
     ) -> None:
         self.mind, self.tick_s, goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
         self.goals = goals if goals.ndim == 3 else goals[:, None]  # (T, 1 or B, F)
@@ -127,7 +126,7 @@ class Imitator:
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
         self.terms = terms
         self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics)
-        self.farthest = FARTHEST * mind.forward_model.habit[1]
+        self.farthest = farthest
 
     def start(self, senses: FloatArray, aim: ArrayLike = 0.0) -> State:
         """At rest, feeling (B, S): every copy's own way into the movement.

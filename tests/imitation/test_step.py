@@ -89,6 +89,11 @@ def test_no_command_beyond_the_motors_is_sent_and_the_belief_is_told_what_was_se
     before = imitator.start(felt).belief
     told = imitator.estimate.predict(before, info.commands, info.commands - before.mean[..., 0])
     np.testing.assert_array_equal(state.belief.mean, told.mean)
+    near = Imitator(arm_mind, movement, inverse=eager, farthest=np.array([0.1, 0.2, np.inf]))
+    state, _, info = near.step(near.start(felt), felt, np.random.default_rng(0))
+    np.testing.assert_allclose((info.commands - info.believed[..., 0])[0, :2], [0.1, -0.2])
+    told = near.estimate.predict(before, info.commands, info.commands - before.mean[..., 0])
+    np.testing.assert_array_equal(state.belief.mean, told.mean)
     fast = Movement("fast", 0.02, body.sensations(body.joint_range[:, 1] - 4 * 0.02 * np.arange(5.0)[:, None]))
     way = Imitator(arm_mind, fast).start(felt).targets[:LEAD]
     assert (way >= low).all() and (way <= high).all()
