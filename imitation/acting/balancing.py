@@ -169,6 +169,8 @@ class Feeling:
 
     def __init__(self, balancer: Balancer, plan: Plan, copies: int) -> None:
         self.balancer, self.plan = balancer, plan
+        self.chosen = balancer.choose(plan.lean, plan.goal)
+        """(T, B, 2) offsets if nothing stays."""
         self.stays = np.zeros((copies, 2))
         """(B, 2) units of pressure by which one seems to lean more than planned."""
         self.expected = list[FloatArray]()
@@ -190,9 +192,9 @@ class Feeling:
         after = min(tick + 1, len(self.plan.lean) - 1)
         parts = (self.plan.lean, self.plan.offset, self.plan.goal)
         lean, offset, goal = (np.broadcast_to(part[after], self.stays.shape) for part in parts)
-        more = self.balancer.choose(lean + self.stays, goal) - self.balancer.choose(lean, goal)
+        more = self.balancer.choose(lean + self.stays, goal) - self.chosen[after]
         self.expected.append(self.balancer.expect(lean + self.stays, offset + more))
-        return more
+        return np.asarray(more)
 
     def _pace(self, tick: int) -> FloatArray:
         """(B, 2) how much pressure, or the lean planned, changed of late: the more of both."""
