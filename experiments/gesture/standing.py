@@ -9,15 +9,15 @@ from babbling.balance import SATURATED, Balance
 from babbling.files import load, save
 from experiments.gesture.options import Config
 from experiments.gesture.standing_figures import figures
-from experiments.gesture.standing_found import Stands
+from experiments.gesture.standing_found import Stands, touches
 from experiments.gesture.standing_recording import record
 from experiments.gesture.standing_study import ENOUGH, Cell, prepared, study
 from experiments.shared.experiment import Result
-from experiments.shared.judging import interval_95, lately, rmse_deg
+from experiments.shared.judging import interval_95, rmse_deg
 from experiments.shared.minds import Learned, body_of
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.progress import progress
-from experiments.shared.standing import LET_GO_S, paced, perform, shove, standing_of
+from experiments.shared.standing import paced, perform, shove, standing_of
 from experiments.shared.tables import table
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
@@ -85,9 +85,8 @@ def measure(stands: Stands) -> dict[str, Any]:
     count, first = len(stands.wanted), ours.first
     carried = balance.carries[stands.order] > 0
     during = slice(first, first + count)
-    upright, touching = ours.upright[during, 0], stands.body.touching(ours.configurations[during, 0])
+    upright, (touching, free) = ours.upright[during, 0], touches(ours, 0, during, stands.body)
     noticed = (ours.resisted[during, 0] & (balance.carries == 0)).any(-1)
-    free = upright & ~lately(touching, LET_GO_S / tick)
     reached, wanted = ours.angles[during, 0], stands.wanted
 
     def error(ticks: Any, joints: Any) -> float | None:

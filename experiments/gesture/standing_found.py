@@ -4,14 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.balance import Balance
 from experiments.gesture.options import Config
+from experiments.shared.judging import lately
 from experiments.shared.minds import Learned
-from experiments.shared.standing import Performance
+from experiments.shared.standing import LET_GO_S, Performance
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
 from models.standing import StandingBody
+
+
+def touches(done: Performance, copy: int, during: slice, judge: StandingBody) -> tuple[BoolArray, BoolArray]:
+    """(T,) ticks at which parts of this copy touch each other; those at which it is upright and nothing touches, nor
+    did `LET_GO_S` before."""
+    touching = judge.touching(done.configurations[during, copy])
+    return touching, done.upright[during, copy] & ~lately(touching, LET_GO_S / judge.tick_s)
 
 
 @dataclass(frozen=True)

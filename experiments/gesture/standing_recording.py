@@ -64,7 +64,7 @@ def _log_world(stream: rr.RecordingStream, stands: Stands) -> None:
     sent = stands.done["replay"]
     log_body(stream, "world/replay", parts(model, sent.configurations[:, 0]), tick, offset=(0, APART, 0), tint=REPLAYED)
     if stands.seen.teacher is not None:
-        log_teacher(stream, stands.seen.teacher, len(ours.configurations[:, 0]), tick)
+        log_teacher(stream, stands.seen.teacher, len(ours.configurations), tick)
     if ours.pushes.any():
         places = ours.configurations[:, 0, :3] - ARROW * ours.pushes[:, 0]
         stream.log("world/push", rr.Arrows3D.from_fields(colors=[(255, 60, 60)], radii=[0.006]), static=True)

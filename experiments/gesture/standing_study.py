@@ -11,6 +11,7 @@ from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.mind import Mind
 from experiments.gesture.options import Config
+from experiments.gesture.standing_found import touches
 from experiments.gesture.standing_shows import (
     SQUAT_DEG,
     STEPS,
@@ -20,10 +21,10 @@ from experiments.gesture.standing_shows import (
     steps_on_the_spot,
     stood_on_one_leg,
 )
-from experiments.shared.judging import lately, rmse_deg
+from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import body_of
 from experiments.shared.parallel import in_parallel
-from experiments.shared.standing import LET_GO_S, PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
+from experiments.shared.standing import PUSH_S, Performance, Reflex, paced, perform, shove, standing_of
 from experiments.shared.watching import watch
 from imitation.acting.balancing import Balancer
 from models.body import SimulatedBody
@@ -34,14 +35,9 @@ BUILT_IN = ("icub-reach", "human-raise", "g1-squat", "romeo-bow", "talos-salute"
 GAINS = np.array([(kp, kd) for kp in (0.01, 0.02, 0.04, 0.08) for kd in (0.0, 0.002, 0.005, 0.01)])
 """Of the ankle's PD, rad per unit of pressure and of its change per second; the best on `TRIED` is kept."""
 TRIED, PD_LIMIT, PD_SMOOTH = "icub-reach", np.deg2rad(15.0), 0.7
-WAYS = {
-    "ours": "Eq. (1), and what stays of what is felt",
-    "blind": "Eq. (1) alone",
-    "linear": "the line of the same experience, feeling as well",
-    "replay": "sub-goals simply sent, legs and all",
-    "pd": "an ankle that answers pressure, PD with its best gains",
-    "both": "Eq. (1), and the PD on top",
-}
+WAYS = ("ours", "blind", "linear", "replay", "pd", "both")
+"""Eq. (1) and what stays of what is felt; Eq. (1) alone; the line of the same experience, feeling as well; sub-goals
+simply sent, legs and all; an ankle that answers pressure; Eq. (1) and that ankle on top."""
 IMPULSES = np.arange(0.8, 4.5, 0.4)
 ANGLES = np.arange(8) * np.pi / 4
 PUSHED_AT_S, PUSHED_FOR_S = 2.5, 4.0
@@ -61,7 +57,6 @@ FACING, FACED_S = ("ours", "blind", "linear"), 12.0
 """Who does how much of the first demonstration there."""
 ONCE = {"blind": 1.5, "both": 1.5}
 """Ways that are tried at one speed."""
-
 SHOWN: Mapping[str, Callable[[Performance, SimulatedBody], FloatArray]] = {
     "squat": knees_deg,
     "left leg": lambda done, body: stood_on_one_leg(done, body.tick_s, "left"),
@@ -171,8 +166,7 @@ def tried(cell: Cell, study: Study) -> Tried:
     free = np.array([joint in labels and not study.balance.carries[labels.index(joint)] for joint in judge.joints])
     errors, touched = [], []
     for copy in range(copies):
-        touching = judge.touching(done.configurations[during, copy])
-        ticks = done.upright[during, copy] & ~lately(touching, LET_GO_S / judge.tick_s)
+        touching, ticks = touches(done, copy, during, judge)
         found = rmse_deg(done.angles[during, copy][ticks][:, free], wanted[ticks][:, free]) if ticks.any() else None
         errors.append(found)
         touched.append(touching.mean())

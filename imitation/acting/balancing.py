@@ -86,10 +86,10 @@ class Balancer:
         if table.transitions:
             self.inverse = LinearInverse(table) if linear else BayesianInverse(table, prior=self.match)
 
-    def terms(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> list[Term]:
+    def terms(self, lean: FloatArray, goal: FloatArray) -> list[Term]:
         """(B, 2) leans should come to pressures (B, 2)."""
         table = self.balance.forward_model
-        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), goal + np.zeros_like(lean), self.weight)]
+        return [Term(table, (np.clip(lean, *_ends(table.contexts[0])),), goal, self.weight)]
 
     def choose(self, lean: FloatArray, goal: FloatArray | float = 0.0) -> FloatArray:
         """(..., 2) offsets by Eq. (1) by which (..., 2) leans come to pressures (..., 2)."""
@@ -98,7 +98,7 @@ class Balancer:
         if self.inverse is None:
             chosen = (goal - lean) @ np.linalg.inv(self.gains).T
         else:
-            terms = self.terms(lean.reshape(-1, 2), (goal + np.zeros_like(lean)).reshape(-1, 2))
+            terms = self.terms(lean.reshape(-1, 2), np.broadcast_to(goal, lean.shape).reshape(-1, 2))
             chosen = self.inverse.choose(terms, np.random.default_rng(0)).action.reshape(lean.shape)
         return np.clip(chosen, *_ends(self.balance.forward_model.action))
 
@@ -189,17 +189,14 @@ class Feeling:
             beyond = np.clip(felt - self.expected[tick - SETTLED], -MOST, MOST)
             counts = on_soles * (np.abs(felt) < SATURATED) / (1 + (self._pace(tick) / QUICK) ** 2)
             self.stays = np.clip(self.stays + counts * beyond / STAYS, -MOST, MOST)
-        after = min(tick + 1, len(self.plan.lean) - 1)
-        parts = (self.plan.lean, self.plan.offset, self.plan.goal)
-        lean, offset, goal = (np.broadcast_to(part[after], self.stays.shape) for part in parts)
-        more = self.balancer.choose(lean + self.stays, goal) - self.chosen[after]
-        self.expected.append(self.balancer.expect(lean + self.stays, offset + more))
+        lean = self.plan.lean[tick + 1] + self.stays
+        more = self.balancer.choose(lean, self.plan.goal[tick + 1]) - self.chosen[tick + 1]
+        self.expected.append(self.balancer.expect(lean, self.plan.offset[tick + 1] + more))
         return np.asarray(more)
 
     def _pace(self, tick: int) -> FloatArray:
         """(B, 2) how much pressure, or the lean planned, changed of late: the more of both."""
-        lean, last = self.plan.lean, len(self.plan.lean) - 1
-        planned = np.abs(lean[min(tick, last)] - lean[max(0, min(tick, last) - LATELY)])
+        planned = np.abs(self.plan.lean[tick] - self.plan.lean[max(0, tick - LATELY)])
         return np.asarray(np.maximum(planned, np.abs(self.lately[-1] - self.lately[0])))
 
 
