@@ -14,7 +14,6 @@ The prior W ~ N(0, I) is the only smoothing; s is the seeing noise that remains 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -149,8 +148,7 @@ def learn_image(
         order = np.argsort(-told, kind="stable")
         joints = np.sort(order[: min(MOST_JOINTS, int(organs.moves[number].sum()))])
         images[part], doubt[:, number] = _learned(part, q, seen[:, :, number], joints, (low + high) / 2, library)
-    found = MappingProxyType(images)
-    return BodyImage(found, low, high, rest.copy(), library, doubt, fingerprint, organs, experience.minutes)
+    return BodyImage(images, low, high, rest.copy(), library, doubt, fingerprint, organs, experience.minutes)
 
 
 def _learned(

@@ -6,7 +6,8 @@ Law, per factor f, context c and action a:
     P(o | c, a) = (n[f, c, a, o] + k q[f, c, a, o]) / (n[f, c, a] + k)
 
 with soft counts n, a prior predictive distribution q of strength k pseudo-counts. q is either absent (k = 0: plain
-relative frequencies, a row nobody tried is all zeros) or the linear-Gaussian fit of the very same experience.
+relative frequencies, a row nobody tried is all zeros) or drawn from the very same experience: its linear-Gaussian fit
+on measured axes, what happens in context c whatever one does on categories.
 Counts are integers: models learned apart are merged by adding, exactly, in any order.
 """
 
@@ -33,7 +34,8 @@ class ForwardModel:
         action: the axis of actions.
         outcome: the axis of what happens.
         factors: one label per factor, for people.
-        prior_strength: pseudo-counts k of the linear-Gaussian prior; 0 for none (needed when an axis is categorical).
+        prior_strength: pseudo-counts k of the prior, linear-Gaussian on measured axes, of what usually happens on
+            categories; 0 for none (needed when some axes are categorical and some are not).
         fingerprint: of the body whose experience is counted.
     """
 
@@ -55,9 +57,9 @@ class ForwardModel:
             if axis.factors != len(self.factors):
                 raise BabblingError(f"axis {axis.name!r} has {axis.factors} factors, the model has {len(self.factors)}")
         soft = sum(not axis.is_categorical for axis in self.axes)
-        if prior_strength < 0 or (prior_strength > 0 and soft < len(self.axes)):
+        if prior_strength < 0 or (prior_strength > 0 and 0 < soft < len(self.axes)):
             raise BabblingError(
-                f"prior strength {prior_strength:g}: it must be >= 0, and 0 where an axis is categorical"
+                f"prior strength {prior_strength:g}: it must be >= 0, and 0 where only some axes are categorical"
             )
         self.unit = 1 << (weight_bits(self.axes) * soft)
         self.counts: IntArray = np.zeros((len(self.factors), *(axis.size for axis in self.axes)), np.int64)
@@ -85,7 +87,7 @@ class ForwardModel:
         A transition that falls off an axis is not bent onto its end: it is left out and counted in `outside`.
         A value of NaN means "nothing happened for this factor" and is left out silently.
         """
-        categories = all(axis.is_categorical for axis in self.axes)
+        categories = self._categories
         values = [np.asarray(v) if categories else np.asarray(v, float) for v in (*context, action, outcome)]
         if len(values) != len(self.axes) or any(v.shape != values[-1].shape for v in values):
             raise BabblingError(f"expected {len(self.axes)} arrays of one shape (N, {len(self.factors)})")
@@ -117,7 +119,7 @@ class ForwardModel:
         """
         if counts.shape != self.counts.shape or (counts.size and counts.min() < 0):
             raise BabblingError(f"counts of shape {counts.shape}; {self.counts.shape} numbers from 0 are needed")
-        if not all(axis.is_categorical for axis in self.axes):
+        if not self._categories:
             raise BabblingError(
                 "bare counts say nothing of the moments of a measured axis; merge forward models instead"
             )
@@ -181,7 +183,7 @@ class ForwardModel:
         """
         table = self.visits.copy()
         if self.prior_strength > 0:
-            table += self.prior_strength * self._gaussian(self.action, self.contexts)
+            table += self.prior_strength * self._usual_action()
         total = table.sum(-1, keepdims=True)
         return fixed(np.divide(table, total, out=table, where=total > 0))
 
@@ -191,11 +193,27 @@ class ForwardModel:
         return self.moments.fit([self.outcome.name], inputs)
 
     def prior(self) -> FloatArray:
-        """`[factor, context..., action, outcome]`: the linear-Gaussian fit, assigned softly to the outcome grid.
+        """`[factor, context..., action, outcome]`: the linear-Gaussian fit, assigned softly to the outcome grid; on
+        categories what happens in that context whatever one does, itself shrunk towards anything alike by one count.
 
         A mean beyond the outcome's range is clipped into it: an all-but-empty row would otherwise turn uniform.
         """
-        return self._gaussian(self.outcome, self.axes[:-1])
+        if not self._categories:
+            return self._gaussian(self.outcome, self.axes[:-1])
+        usual = self.counts.sum(-2, keepdims=True)
+        return np.asarray((usual + 1 / self.outcome.size) / (usual.sum(-1, keepdims=True) + 1))
+
+    @property
+    def _categories(self) -> bool:
+        return all(axis.is_categorical for axis in self.axes)
+
+    def _usual_action(self) -> FloatArray:
+        """`[factor, context..., action]`: what is done as a rule, in contexts of which nothing is known."""
+        if not self._categories:
+            return self._gaussian(self.action, self.contexts)
+        usual = self.counts.reshape(len(self.factors), -1, self.action.size, self.outcome.size).sum((1, 3))
+        share = (usual + 1 / self.action.size) / (usual.sum(-1, keepdims=True) + 1)
+        return np.asarray(share).reshape(len(self.factors), *(1,) * len(self.contexts), self.action.size)
 
     def _gaussian(self, target: Axis, inputs: Sequence[Axis]) -> FloatArray:
         """P(target | inputs) of the least-squares line, on the grids: `[factor, inputs..., target]`."""

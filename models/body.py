@@ -71,7 +71,8 @@ class SimulatedBody:
             )
         self.model = model
         model.dof_frictionloss[:] *= self.wear.friction_factor
-        names = [model.joint(j).name or f"joint {j}" for j in model.actuator_trnid[:, 0]]
+        on_joints = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)  # all but what palms hold with
+        names = [model.joint(j).name or f"joint {j}" for j in model.actuator_trnid[on_joints, 0]]
         for motor in motors:
             if motor not in names:
                 raise BodyError(unknown("joint with a motor", motor, names))

@@ -56,6 +56,22 @@ class Stance:
 
 
 @dataclass(frozen=True)
+class Seat:
+    """How a robot sits at a table and handles what stands on it."""
+
+    parts: tuple[str, str, str] = ("left_palm", "right_palm", "forehead")
+    """Sites that reach for things: two that can hold, and one that only pushes. A sensor NAME_touch feels each."""
+    hands: tuple[str, str] = ("left_hand", "right_hand")
+    """Bodies of the two that hold."""
+    touching: tuple[str, ...] = ("left_hand_collision", "right_hand_collision", "head_collision")
+    """Geoms that may touch what is on the table."""
+    holding: tuple[str, str] = ("left_hand_collision", "right_hand_collision")
+    """Of those, the two that hold."""
+    table: float = facts.WAIST_HEIGHT
+    """m, height of the table's top."""
+
+
+@dataclass(frozen=True)
 class Robot:
     """A body one can ask for by name."""
 
@@ -77,6 +93,8 @@ class Robot:
     """Parts of limbs whose directions can be shown to it: by a teacher, in a mirror."""
     stance: Stance | None = None
     """None for a robot without soles and balance organ."""
+    seat: Seat | None = None
+    """None for a robot that does not sit at a table."""
     babbles: Literal["joints", "eyes"] = "joints"
     """What its babbling is about: its joints, or what its movements do to what it sees."""
 
@@ -135,6 +153,11 @@ ROBOTS: Mapping[str, Robot] = MappingProxyType(
             _BLIND,
             about="the same whose joints lag as pneumatic ones do: a sum of plays of several widths",
             wear=Wear(1.0, tuple(np.deg2rad(facts.HYSTERESIS_DEG).tolist()), facts.HYSTERESIS_SHARES),
+        ),
+        "hoap2-seated": Robot(
+            hoap2.SEAT,
+            "the same on a seat, its pelvis fixed: what plays with objects on a table",
+            seat=Seat(),
         ),
         "biclops": Robot(
             biclops.ROBOT,

@@ -65,9 +65,9 @@ def standing_of(
 
 
 class Joints:
-    """What a mind that babbled on its stand feels of a body on its feet: its joints, on the lines it knows them by."""
+    """What a mind that babbled on its stand feels of a body elsewhere: its joints, on the lines it knows them by."""
 
-    def __init__(self, hung: SimulatedBody, body: StandingBody) -> None:
+    def __init__(self, hung: SimulatedBody, body: SimulatedBody) -> None:
         self.hung, self.body = hung, body
 
     def felt(self, senses: FloatArray) -> FloatArray:

@@ -9,6 +9,8 @@ Each is then refined where the body image is smooth: damped Gauss-Newton steps o
 range of the senses. The most probable path through the candidates (Viterbi 1967) is the answer.
 """
 
+from typing import Protocol
+
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
@@ -26,6 +28,25 @@ JUMP = 0.3
 """What a squared jump between frames (rad^2) counts in the path, against squared errors of the first part."""
 CANDIDATES = 3
 STEPS, TOLERANCE, GOOD = 30, 1e-5, 1e-5
+
+
+class View(Protocol):
+    """What is shown of S parts where some senses are, all others held."""
+
+    @property
+    def low(self) -> FloatArray:
+        """(n,) least angles."""
+
+    @property
+    def high(self) -> FloatArray:
+        """(n,) greatest."""
+
+    @property
+    def rest(self) -> FloatArray:
+        """(n,) comfort."""
+
+    def directions(self, angles: FloatArray, rows: IntArray) -> tuple[FloatArray, FloatArray]:
+        """(N, S, 3) what is shown and (N, S, 3, n) slopes at (N, n) angles, for frames `rows` (N,)."""
 
 
 class LimbView:
@@ -62,14 +83,14 @@ def choose(view: LimbView, wanted: FloatArray, weights: FloatArray, doubt: Float
     posterior, cells = _library(view, wanted, weights)
     count = len(wanted)
     rows = np.arange(count)
-    angles, cost = _refined(view, wanted, weights, np.tile(view.rest, (count, 1)), rows)
+    angles, cost = refined(view, wanted, weights, np.tile(view.rest, (count, 1)), rows)
     found, costs = [angles], [cost]
     off = np.flatnonzero(cost > GOOD + 3 * weights @ doubt**2)
     if len(off):
         best = np.argsort(-posterior[off], axis=1)[:, : 4 * CANDIDATES : 4]
         for column in best.T:
             other, price = angles.copy(), np.full(count, np.inf)
-            other[off], price[off] = _refined(view, wanted, weights, cells[column], off)
+            other[off], price[off] = refined(view, wanted, weights, cells[column], off)
             found.append(other)
             costs.append(price)
     return _path(np.array(found), np.array(costs))
@@ -103,8 +124,8 @@ def _library(view: LimbView, wanted: FloatArray, weights: FloatArray) -> tuple[F
     return posterior, cells
 
 
-def _refined(
-    view: LimbView, wanted: FloatArray, weights: FloatArray, start: FloatArray, rows: IntArray
+def refined(
+    view: View, wanted: FloatArray, weights: FloatArray, start: FloatArray, rows: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Damped Gauss-Newton from (N, n) postures for frames `rows`: optimum inside the range, and its cost (N,).
 

@@ -139,6 +139,25 @@ HOME_DEG: Final = MappingProxyType(
 )
 """Walk-ready crouch, degrees; joints not named are at zero. First line of the real robot's walk."""
 
+WAIST_HEIGHT: Final = 0.2
+"""m, waist axis above the floor on its seat; the top of a table before it is level with it."""
+
+SEATED_DEG: Final = MappingProxyType(
+    {"head_joint_2": 50.0}
+    | {
+        joint: angle
+        for side, sign in zip(SIDES, (1.0, -1.0), strict=True)
+        for joint, angle in {
+            f"{side}_leg_joint_3": -80.0,
+            f"{side}_leg_joint_4": 80.0,
+            f"{side}_arm_joint_1": 45.0,
+            f"{side}_arm_joint_2": sign * 25.0,
+            f"{side}_arm_joint_4": -75.0,
+        }.items()
+    }
+)
+"""Upright on a seat, thighs level, hands before the chest, eyes on the table, degrees; joints not named are at zero."""
+
 PULSE_SIGNS: Final = MappingProxyType(
     {f"right_leg_joint_{i}": sign for i, sign in enumerate((1, 1, -1, 1, 1, -1), 1)}
     | {f"right_arm_joint_{i}": sign for i, sign in enumerate((1, 1, -1, -1), 1)}

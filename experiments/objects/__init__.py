@@ -1,0 +1,1 @@
+"""Acts on objects: seen once, remembered, done by one's own means."""

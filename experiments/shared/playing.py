@@ -1,0 +1,199 @@
+"""At the table: a thing is seen, something is done with it by the one loop, and what becomes of it is seen."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from babbling.axes import FloatArray, IntArray, fixed
+from babbling.body_image import BodyImage
+from babbling.mind import Mind
+from experiments.shared.standing import FARTHEST, Joints
+from imitation.acting.loop import Imitator
+from imitation.acting.movement import Movement
+from imitation.acting.primitives import LOOKS, WAYS_S, Thing, again, movement, plan, postures
+from imitation.acting.reaching import places
+from models.body import SimulatedBody
+from models.loading import load_body
+from models.objects import TOYS
+from models.objects.playing import MIDDLE, PlayBody
+from models.objects.scene import PARTS
+from models.objects.states import Watched
+from models.robots import ROBOTS
+
+SEATED = "hoap2-seated"
+SEEING_M = 0.003
+"""m of noise in every coordinate of every point that is seen."""
+LOW = 0.034
+"""m over the table at which a palm takes what lies on it: fingers point down a little."""
+EVERY = 15
+"""Ticks between two looks at what is done."""
+AFTER_S = 0.3
+"""How long it waits to see what has become of it."""
+
+Look = Callable[[PlayBody, np.random.Generator], FloatArray]
+"""(B, 5, 3) m where hands, forehead, a and b are seen; NaN for what is hidden."""
+
+
+def points(noise: float = SEEING_M) -> Look:
+    """Everything is seen as a point, with noise."""
+
+    def look(body: PlayBody, rng: np.random.Generator) -> FloatArray:
+        true = body.places
+        return np.asarray(true + noise * rng.standard_normal(true.shape))
+
+    return look
+
+
+def at_table(toy: str, copies: int, *, threads: int = 1, **how: Any) -> PlayBody:
+    """So many copies of the robot on its seat before specimens of an object."""
+    robot = ROBOTS[SEATED]
+    assert robot.seat is not None
+    return PlayBody(robot, robot.seat, TOYS[toy], name=SEATED, copies=copies, threads=threads, **how)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What B of them did, and what came of it."""
+
+    tick_s: float
+    which: IntArray
+    aims: FloatArray
+    """(B, 5) see `babbling.play`."""
+    seen: Watched
+    """By their eyes, at `looks`."""
+    true: Watched
+    """Every tick, for those who judge."""
+    missed: FloatArray
+    """(B,) m that the image foretold the worst place would be missed by."""
+    touch: FloatArray
+    """(T, B, 3) N felt by hands and forehead."""
+    path: FloatArray
+    """(T, B, F) postures that were the sub-goals."""
+    angles: FloatArray
+    """(T, B, J) true joint angles."""
+    grips: FloatArray
+    """(T, B, 2) N that palms held with at most."""
+    configurations: FloatArray
+    """(T, B, nq), only where they were asked for; otherwise of the first and last tick."""
+
+    @property
+    def features(self) -> FloatArray:
+        """(B, D) where hands and forehead were seen, from the middle of the thing before anything was done; m."""
+        return features(self.seen)
+
+    def strain(self, rest: FloatArray) -> FloatArray:
+        """(B,) rad^2 that the posture was from rest, at most."""
+        return np.asarray(((self.path - rest) ** 2).sum(-1).max(0))
+
+    @property
+    def minutes(self) -> float:
+        """Body time."""
+        ticks, copies = self.path.shape[:2]
+        return float(ticks * copies * self.tick_s / 60)
+
+
+def features(seen: Watched) -> FloatArray:
+    """(B, D) see `Tried.features`."""
+    middle = seen.handles[0].mean(1)
+    away = seen.parts - middle[None, :, None]
+    return np.asarray(away.swapaxes(0, 1).reshape(len(middle), -1))
+
+
+class Player:
+    """Someone with a mind and a learned image of its own hands and head.
+
+    Args:
+        mind: what babbling on the seat taught.
+        image: where hands and forehead are seen in a posture.
+        look: how things are seen.
+    """
+
+    def __init__(self, mind: Mind, image: BodyImage, look: Look | None = None) -> None:
+        self.mind, self.image, self.look = mind, image, look or points()
+        self.hung: SimulatedBody = load_body(SEATED)
+        mind.check(self.hung)
+        image.check(self.hung)
+
+    def tries(
+        self, body: PlayBody, which: IntArray, aims: FloatArray, rng: np.random.Generator, *, keep: bool = False
+    ) -> Tried:
+        """Every copy does one primitive with its specimen, from rest, and looks once again half way.
+
+        Args:
+            body: at the table.
+            which: (B,) primitives.
+            aims: (B, 5).
+            rng: of what is seen.
+            keep: whether every configuration is kept, to draw it.
+        """
+        schema, tick, joints, toy = self.mind.pilot.schema, body.tick_s, Joints(self.hung, body), body.toy
+        assert toy is not None
+        felt = body.reset()
+        looks, true, signal = [self.look(body, rng)], [body.places], [body.signal]
+        count, begin = body.copies, joints.felt(felt)[:, schema.posture]
+        low = np.full(count, body.table - MIDDLE[2] + LOW)
+        thing = Thing(*_seen(looks[0]), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
+        planned = plan(thing, which, aims)
+        ways, missed = postures(self.image, planned.places, begin)
+        waiting = round(AFTER_S / tick)
+        path = np.concatenate([begin[None], movement(ways, WAYS_S, begin, tick)])
+        path = np.concatenate([path, np.repeat(path[-1:], waiting, 0)])
+        grips = np.repeat(planned.grips, [round(s / tick) for s in WAYS_S], axis=0)
+        grips = np.concatenate([grips, np.zeros((waiting, count, 2))])
+        half_way = round(sum(WAYS_S[:LOOKS]) / tick)
+        still = Movement(SEATED, tick, self.hung.sensations(np.tile(self.image.rest, (3, 1))))
+        imitator = Imitator(self.mind, still, farthest=FARTHEST * self.mind.forward_model.habit[1])
+        state = imitator.start(joints.felt(felt))._replace(targets=_onward(path))
+        touch, angles, configurations = [body.senses.read(felt, "touch")], [body.joint_angles], [body.configuration]
+        for number in range(len(path) - 1):
+            if number == half_way:
+                here = places(self.image, joints.felt(felt)[:, schema.posture])
+                left = again(planned, thing, which, here, self.look(body, rng)[:, PARTS:])
+                ways, more = postures(self.image, left, ways[LOOKS - 1])
+                missed = np.maximum(missed, more)
+                path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOKS:], path[number], tick)
+                path[len(path) - waiting :] = path[len(path) - waiting - 1]
+                state = state._replace(targets=_onward(path))
+            state, motors, _ = imitator.step(state, joints.felt(felt), rng)
+            state = state._replace(belief=imitator.estimate.usual(state.belief)[0])
+            body.grip(grips[number])
+            felt = body.act(motors)
+            signal.append(body.signal)
+            true.append(body.places)
+            touch.append(body.senses.read(felt, "touch"))
+            angles.append(body.joint_angles)
+            if looked_at(number + 1, len(path)):
+                looks.append(self.look(body, rng))
+            if keep or number == len(path) - 2:
+                configurations.append(body.configuration)
+        at = [0, *(n for n in range(1, len(path)) if looked_at(n, len(path)))]
+        eyes, world, shone = np.array(looks), np.array(true), np.array(signal)
+        return Tried(
+            tick,
+            which,
+            aims,
+            Watched(eyes[:, :, PARTS:], eyes[:, :, :PARTS], shone[at]),
+            Watched(world[:, :, PARTS:], world[:, :, :PARTS], shone),
+            missed,
+            np.array(touch),
+            path,
+            np.array(angles),
+            np.concatenate([grips * body.grip_n[:, None], np.zeros((1, count, 2))]),
+            np.array(configurations),
+        )
+
+
+def looked_at(tick: int, ticks: int) -> bool:
+    """Whether there is a look after so many of `ticks` ticks."""
+    return tick % EVERY == 0 or tick == ticks - 1
+
+
+def _seen(look: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return look[:, PARTS], look[:, PARTS + 1]
+
+
+def _onward(path: FloatArray) -> FloatArray:
+    """Sub-goals, and one beyond: it stays."""
+    return fixed(np.concatenate([path, path[-1:]]))

@@ -1,0 +1,125 @@
+"""Rounds of play: every kind of thing in turn, many children at once, each round with the skill of those before."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from babbling.body_image import BodyImage, learn_image
+from babbling.mind import Mind
+from babbling.mirroring import mirror_babble
+from babbling.organs import find_organs
+from babbling.play import HANDS, MIDDLE, SPREAD, Play
+from experiments.shared.parallel import in_parallel
+from experiments.shared.playing import SEATED, Player, at_table
+from imitation.acting.primitives import NAMES
+from models.loading import load_body
+from models.objects import TOYS
+from models.objects.sight import Hands
+from models.objects.states import STATES
+
+COPIES = 32
+"""Children that play at once."""
+LOOKING_COPIES, LOOKING_MINUTES = 64, 12.0
+"""Of looking at one's own hands and head while moving them."""
+FEATURES = 20 * 9
+PLAYED = ("dumbbell", "outsized", "panel", "panel busy", "box", "loop", "cup")
+"""What is played with; `busy`: while one's hands are bound."""
+LEARNING = 0.5
+"""Share of the rounds after which nothing but one's skill is practised; before, ever less is tried out."""
+COUNTED = 1 / 3
+"""Share of the rounds after which what one does as well as one can is counted in the tables."""
+CAREFUL = 0.3
+"""Practised aims vary by so many of their own standard deviations."""
+SPECIMENS = 1_000_000
+"""Specimens from here on are played with; those that an experiment judges by come before."""
+
+
+def look_at_hands(mind: Mind, seed: int, minutes: float = LOOKING_MINUTES) -> BodyImage:
+    """Where hands and forehead are seen in every posture, learned by moving and looking."""
+    body = load_body(SEATED, copies=LOOKING_COPIES, seed=seed)
+    rest = body.reset()[:, mind.pilot.schema.posture].mean(0)
+    seen = mirror_babble(body, Hands(body, seed), mind.pilot.schema, mind.pilot.motors, minutes, seed)
+    return learn_image(seen, find_organs(seen), mind.pilot.low, mind.pilot.high, rest, seed, mind.fingerprint)
+
+
+@dataclass(frozen=True)
+class Task:
+    """One kind of thing in one round."""
+
+    mind: Mind
+    image: BodyImage
+    play: Play
+    thing: str
+    number: int
+    round: int
+    rounds: int
+    seed: int
+
+
+def kinds(things: Sequence[str]) -> tuple[str, ...]:
+    """What these are taken for, each once."""
+    return tuple(dict.fromkeys(TOYS[thing.split()[0]].kind for thing in things))
+
+
+def empty(mind: Mind, things: Sequence[str] = PLAYED) -> Play:
+    """Before play."""
+    return Play.empty(mind.fingerprint, kinds(things), NAMES, STATES, FEATURES)
+
+
+def round_minutes(things: Sequence[str], tick_s: float, ticks: int) -> float:
+    """Body-minutes of a round."""
+    return len(things) * COPIES * ticks * tick_s / 60
+
+
+def played(task: Task) -> Play:
+    """What one kind of thing taught in one round."""
+    toy, busy = task.thing.split()[0], "busy" in task.thing
+    play, rng = task.play, np.random.default_rng([task.seed, task.round, task.number, 0x91A7])
+    kind, states = play.kinds.index(TOYS[toy].kind), play.practised(play.kinds.index(TOYS[toy].kind))
+    body = at_table(toy, COPIES, busy=busy)
+    body.set_out(SPECIMENS + 10_000 * task.seed + (task.round * 100 + task.number) * COPIES)
+    if play.tried[kind].all():
+        which = rng.choice(len(NAMES), COPIES, p=play.comfort(kind))
+    else:
+        which = (rng.permutation(COPIES) + task.round * COPIES) % len(NAMES)
+    new = rng.random(COPIES) < 1 - task.round / (LEARNING * task.rounds)
+    mean, spread = play.aim(kind, which, states[which])
+    aims = np.where(
+        new[:, None],
+        MIDDLE + SPREAD * rng.uniform(-1.5, 1.5, mean.shape),
+        mean + CAREFUL * spread * rng.standard_normal(mean.shape),
+    )
+    tried = Player(task.mind, task.image).tries(body, which, aims, rng)
+    skilled = ~new & (task.round >= COUNTED * task.rounds)
+    return play.nothing().after(
+        kind,
+        HANDS.index("busy" if busy else "free"),
+        which,
+        TOYS[toy].state(tried.seen),
+        aims,
+        tried.features,
+        tried.strain(task.image.rest),
+        skilled,
+        tried.minutes,
+    )
+
+
+def play_on(
+    mind: Mind,
+    image: BodyImage,
+    play: Play,
+    things: Sequence[str],
+    rounds: int,
+    seed: int,
+    workers: int,
+    after: Callable[[Play], None] = lambda play: None,
+) -> Play:
+    """From where a play stands to its last round; `after` is told of every round."""
+    for number in range(play.rounds, rounds):
+        tasks = [Task(mind, image, play, thing, i, number, rounds, seed) for i, thing in enumerate(things)]
+        for more in in_parallel(played, tasks, workers, f"round {number + 1} of {rounds}"):
+            play = play.merged(more)
+        play = replace(play, rounds=number + 1)
+        after(play)
+    return play
