@@ -12,7 +12,7 @@ from babbling.mind import Mind
 from experiments.shared.standing import FARTHEST, Joints
 from imitation.acting.loop import Imitator
 from imitation.acting.movement import Movement
-from imitation.acting.primitives import LOOKS, WAYS_S, Thing, again, movement, plan, postures
+from imitation.acting.primitives import LOOK_AGAIN, WAYS_S, Thing, again, movement, plan, postures
 from imitation.acting.reaching import places
 from models.body import SimulatedBody
 from models.loading import load_body
@@ -31,6 +31,10 @@ EVERY = 15
 """Ticks between two looks at what is done."""
 AFTER_S = 0.3
 """How long it waits to see what has become of it."""
+TICK_S = 0.02
+TICKS = 1 + round((sum(WAYS_S) + AFTER_S) / TICK_S)
+LOOKED_AT = tuple(tick for tick in range(TICKS) if tick % EVERY == 0 or tick == TICKS - 1)
+"""Ticks at which one looks."""
 
 Look = Callable[[PlayBody, np.random.Generator], FloatArray]
 """(B, 5, 3) m where hands, forehead, a and b are seen; NaN for what is hidden."""
@@ -79,9 +83,9 @@ class Tried:
     """(T, B, nq), only where they were asked for; otherwise of the first and last tick."""
 
     @property
-    def features(self) -> FloatArray:
-        """(B, D) where hands and forehead were seen, from the middle of the thing before anything was done; m."""
-        return features(self.seen)
+    def tracks(self) -> FloatArray:
+        """(B, L, 5, 3) where hands, forehead, a and b were seen; m."""
+        return np.concatenate([self.seen.parts, self.seen.handles], 2).swapaxes(0, 1)
 
     def strain(self, rest: FloatArray) -> FloatArray:
         """(B,) rad^2 that the posture was from rest, at most."""
@@ -92,13 +96,6 @@ class Tried:
         """Body time."""
         ticks, copies = self.path.shape[:2]
         return float(ticks * copies * self.tick_s / 60)
-
-
-def features(seen: Watched) -> FloatArray:
-    """(B, D) see `Tried.features`."""
-    middle = seen.handles[0].mean(1)
-    away = seen.parts - middle[None, :, None]
-    return np.asarray(away.swapaxes(0, 1).reshape(len(middle), -1))
 
 
 class Player:
@@ -142,7 +139,7 @@ class Player:
         path = np.concatenate([path, np.repeat(path[-1:], waiting, 0)])
         grips = np.repeat(planned.grips, [round(s / tick) for s in WAYS_S], axis=0)
         grips = np.concatenate([grips, np.zeros((waiting, count, 2))])
-        half_way = round(sum(WAYS_S[:LOOKS]) / tick)
+        half_way = round(sum(WAYS_S[:LOOK_AGAIN]) / tick)
         still = Movement(SEATED, tick, self.hung.sensations(np.tile(self.image.rest, (3, 1))))
         imitator = Imitator(self.mind, still, farthest=FARTHEST * self.mind.forward_model.habit[1])
         state = imitator.start(joints.felt(felt))._replace(targets=_onward(path))
@@ -151,9 +148,9 @@ class Player:
             if number == half_way:
                 here = places(self.image, joints.felt(felt)[:, schema.posture])
                 left = again(planned, thing, which, here, self.look(body, rng)[:, PARTS:])
-                ways, more = postures(self.image, left, ways[LOOKS - 1])
+                ways, more = postures(self.image, left, ways[LOOK_AGAIN - 1])
                 missed = np.maximum(missed, more)
-                path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOKS:], path[number], tick)
+                path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOK_AGAIN:], path[number], tick)
                 path[len(path) - waiting :] = path[len(path) - waiting - 1]
                 state = state._replace(targets=_onward(path))
             state, motors, _ = imitator.step(state, joints.felt(felt), rng)
@@ -164,17 +161,16 @@ class Player:
             true.append(body.places)
             touch.append(body.senses.read(felt, "touch"))
             angles.append(body.joint_angles)
-            if looked_at(number + 1, len(path)):
+            if number + 1 in LOOKED_AT:
                 looks.append(self.look(body, rng))
             if keep or number == len(path) - 2:
                 configurations.append(body.configuration)
-        at = [0, *(n for n in range(1, len(path)) if looked_at(n, len(path)))]
         eyes, world, shone = np.array(looks), np.array(true), np.array(signal)
         return Tried(
             tick,
             which,
             aims,
-            Watched(eyes[:, :, PARTS:], eyes[:, :, :PARTS], shone[at]),
+            Watched(eyes[:, :, PARTS:], eyes[:, :, :PARTS], shone[list(LOOKED_AT)]),
             Watched(world[:, :, PARTS:], world[:, :, :PARTS], shone),
             missed,
             np.array(touch),
@@ -183,11 +179,6 @@ class Player:
             np.concatenate([grips * body.grip_n[:, None], np.zeros((1, count, 2))]),
             np.array(configurations),
         )
-
-
-def looked_at(tick: int, ticks: int) -> bool:
-    """Whether there is a look after so many of `ticks` ticks."""
-    return tick % EVERY == 0 or tick == ticks - 1
 
 
 def _seen(look: FloatArray) -> tuple[FloatArray, FloatArray]:

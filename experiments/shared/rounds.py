@@ -11,8 +11,9 @@ from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
 from babbling.play import HANDS, MIDDLE, SPREAD, Play
 from experiments.shared.parallel import in_parallel
-from experiments.shared.playing import SEATED, Player, at_table
+from experiments.shared.playing import LOOKED_AT, SEATED, Player, at_table
 from imitation.acting.primitives import NAMES
+from imitation.seeing.acts import described
 from models.loading import load_body
 from models.objects import TOYS
 from models.objects.sight import Hands
@@ -22,7 +23,7 @@ COPIES = 32
 """Children that play at once."""
 LOOKING_COPIES, LOOKING_MINUTES = 64, 12.0
 """Of looking at one's own hands and head while moving them."""
-FEATURES = 20 * 9
+FEATURES = 9 * len(LOOKED_AT) + 6
 PLAYED = ("dumbbell", "outsized", "panel", "panel busy", "box", "loop", "cup")
 """What is played with; `busy`: while one's hands are bound."""
 LEARNING = 0.5
@@ -98,7 +99,7 @@ def played(task: Task) -> Play:
         which,
         TOYS[toy].state(tried.seen),
         aims,
-        tried.features,
+        described(tried.tracks),
         tried.strain(task.image.rest),
         skilled,
         tried.minutes,

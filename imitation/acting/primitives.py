@@ -18,7 +18,7 @@ from imitation.acting.reaching import reach
 
 WAYS_S: Final = (0.9, 0.5, 0.4, 0.3, 1.0, 0.6, 0.5, 0.5, 0.5)
 """Seconds to each of the places."""
-LOOKS: Final = 6
+LOOK_AGAIN: Final = 6
 """Before this one, one looks again."""
 BEYOND: Final = 0.012
 """m that a touch goes on beyond a surface."""
@@ -297,7 +297,7 @@ def again(planned: Plan, thing: Thing, which: IntArray, palms: FloatArray, now: 
         palms: (N, P, 3) where one's parts are, by the learned image.
         now: (N, 2, 3) a and b as they are seen now.
     """
-    left = planned.places[LOOKS:].copy()
+    left = planned.places[LOOK_AGAIN:].copy()
     rows = np.flatnonzero(np.isin(which, [NAMES.index("carry"), NAMES.index("carry and push")]))
     hand = np.where(thing.a[rows, 1] > 0, LEFT, RIGHT)
     meant = thing.a[rows] - planned.places[TOUCH, rows, hand]
