@@ -5,8 +5,8 @@ size, or on a screen: for every primitive the best way of looking at it is found
 
     log P(seen | kind, primitive) = - TEMPER / 2 sum_i (r_i^2 / v_i + log v_i),   r = seen - (look of one's own mean),
 
-v being how much one's own movements vary, at that size. A look at places is a similarity: a turn about any axis, a size,
-a shift; a look at a screen is an affine camera (one image shows no depth). It needs no knowledge of where the camera is.
+v being how much one's own movements vary, at that size. A look at places is a similarity: a turn about any axis, a
+size, a shift; a look at a screen is an affine camera (one image shows no depth). Where the camera is need not be known.
 """
 
 from typing import Final
@@ -27,8 +27,8 @@ NEVER: Final = -1e6
 
 
 def canonical(tracks: FloatArray) -> FloatArray:
-    """(N, L, 5, d) tracks of left hand, right hand, forehead, a and b as if the right hand had moved more: what one does
-    with either hand is one primitive. Places (d = 3) are mirrored from left to right, hands change names."""
+    """(N, L, 5, d) tracks of left hand, right hand, forehead, a and b as if the right hand had moved more: what one
+    does with either hand is one primitive. Places (d = 3) are mirrored from left to right, hands change names."""
     travel = np.nansum(np.linalg.norm(np.diff(tracks[:, :, :2], axis=1), axis=-1), axis=1)
     swap = travel[:, 0] > travel[:, 1]
     found = tracks.copy()
