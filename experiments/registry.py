@@ -37,6 +37,8 @@ EXPERIMENTS: dict[str, Entry] = {
     "gaze": Entry("gaze", "a teacher turns to a toy; the imitator infers which, by its own forward model, and looks"),
     "maze": Entry("maze", "the chapter's maze: wander, watch, imitate, infer intent, with its figures and its claims"),
     "correspondence": Entry("correspondence", "a mirror, organ identification, anybody's movements in one's own limbs"),
+    "play": Entry("play", "children play with things at a table and leave what they learned in a file"),
+    "objects": Entry("objects", "an act on an object is seen once, remembered, and done by one's own means"),
     "notice": Entry("notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }

@@ -14,6 +14,7 @@ from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import LOOKED_AT, SEATED, Player, at_table
 from imitation.acting.primitives import NAMES
 from imitation.seeing.acts import described
+from models.errors import BodyError, unknown
 from models.loading import load_body
 from models.objects import TOYS
 from models.objects.sight import Hands
@@ -24,7 +25,7 @@ COPIES = 32
 LOOKING_COPIES, LOOKING_MINUTES = 64, 12.0
 """Of looking at one's own hands and head while moving them."""
 FEATURES = 9 * len(LOOKED_AT) + 6
-PLAYED = ("dumbbell", "outsized", "panel", "panel busy", "box", "loop", "cup")
+PLAYED = ("dumbbell", "outsized", "panel", "panel:busy", "box", "loop", "cup")
 """What is played with; `busy`: while one's hands are bound."""
 LEARNING = 0.5
 """Share of the rounds after which nothing but one's skill is practised; before, ever less is tried out."""
@@ -58,9 +59,24 @@ class Task:
     seed: int
 
 
+def usable(things: Sequence[str]) -> tuple[str, ...]:
+    """Things as they are named, `toy` or `toy:busy`.
+
+    Raises:
+        BodyError: no such object, or hands in another state.
+    """
+    for thing in things:
+        toy, _, hands = thing.partition(":")
+        if toy not in TOYS:
+            raise BodyError(unknown("object", toy, TOYS))
+        if hands and hands not in HANDS:
+            raise BodyError(unknown("state of hands", hands, HANDS))
+    return tuple(things)
+
+
 def kinds(things: Sequence[str]) -> tuple[str, ...]:
     """What these are taken for, each once."""
-    return tuple(dict.fromkeys(TOYS[thing.split()[0]].kind for thing in things))
+    return tuple(dict.fromkeys(TOYS[thing.partition(":")[0]].kind for thing in things))
 
 
 def empty(mind: Mind, things: Sequence[str] = PLAYED) -> Play:
@@ -75,10 +91,11 @@ def round_minutes(things: Sequence[str], tick_s: float, ticks: int) -> float:
 
 def played(task: Task) -> Play:
     """What one kind of thing taught in one round."""
-    toy, busy = task.thing.split()[0], "busy" in task.thing
+    toy, _, hands = task.thing.partition(":")
+    hands = hands or HANDS[0]
     play, rng = task.play, np.random.default_rng([task.seed, task.round, task.number, 0x91A7])
     kind, states = play.kinds.index(TOYS[toy].kind), play.practised(play.kinds.index(TOYS[toy].kind))
-    body = at_table(toy, COPIES, busy=busy)
+    body = at_table(toy, COPIES, busy=hands == HANDS[1])
     body.set_out(SPECIMENS + 10_000 * task.seed + (task.round * 100 + task.number) * COPIES)
     if play.tried[kind].all():
         which = rng.choice(len(NAMES), COPIES, p=play.comfort(kind))
@@ -95,7 +112,7 @@ def played(task: Task) -> Play:
     skilled = ~new & (task.round >= COUNTED * task.rounds)
     return play.nothing().after(
         kind,
-        HANDS.index("busy" if busy else "free"),
+        HANDS.index(hands),
         which,
         TOYS[toy].state(tried.seen),
         aims,

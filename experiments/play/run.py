@@ -1,0 +1,130 @@
+"""Children play with things at a table and leave what they learned in a file; interrupted, the same command goes on."""
+
+import time
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+from babbling.files import is_kind, load, save
+from babbling.mind import Mind
+from babbling.play import HANDS, Play
+from experiments.errors import ExperimentError
+from experiments.play.figures import outcomes
+from experiments.play.options import Config
+from experiments.shared.children import NAMED, Child, beside, born, keep, meet, merged
+from experiments.shared.experiment import as_json, writing
+from experiments.shared.playing import TICK_S, TICKS
+from experiments.shared.progress import progress
+from experiments.shared.rounds import PLAYED, empty, kinds, play_on, round_minutes, usable
+from experiments.shared.tables import show, table
+
+
+def command(config: Config) -> None:
+    """Play into a file, which holds at any time what was learned so far.
+
+    Raises:
+        ExperimentError: the file cannot be written, or holds something else.
+        BabblingError: a mind or play of another body.
+    """
+    config.check()
+    things = usable(config.things or PLAYED)
+    out = config.out or Path("runs") / "play.nc"
+    check_file(out, bool(config.merge))
+    started = time.perf_counter()
+    if config.merge:
+        child = merged(config.merge)
+        keep(child, out)
+    else:
+        child = begin(config, things, out)
+        rounds = ceil(config.minutes / round_minutes(things, TICK_S, TICKS) - 1e-9)
+
+        def after(play: Play) -> None:
+            save(play, out)
+
+        if child.play.rounds >= rounds:
+            print(f"{out} already holds {child.play.minutes:.0f} body-minutes of play; --minutes more go on with it")
+        play = play_on(child.mind, child.image, child.play, things, rounds, config.seed, config.workers, after)
+        child = Child(child.mind, child.image, play)
+    metrics = told(child.play) | {"seed": config.seed, "play_wall_s": time.perf_counter() - started}
+    out.with_suffix(".json").write_text(as_json(metrics))
+    outcomes(child.play).savefig(out.with_suffix(".png"), dpi=130)
+    rows = [
+        ("body time of play", f"{child.play.minutes:.1f} minutes, {int(child.play.reached.sum())} tries"),
+        ("kinds of things", ", ".join(child.play.kinds)),
+        *((f"{kind}: what comes about", text) for kind, text in metrics["reached"].items()),
+        ("wall time", f"{metrics['play_wall_s']:.0f} s"),
+    ]
+    show(table(rows))
+    print(f"\nwritten to {out} (and {', '.join(file.name for file in others(out))} beside it)")
+
+
+def told(play: Play) -> dict[str, Any]:
+    """For people: what was learned, in numbers."""
+    states, acts = play.outcomes.outcome.labels, play.outcomes.action.labels
+    tables = {
+        f"{kind}, hands {hands}": {
+            act: dict(zip(states, play.outcomes.predictive[0, k, h, a].tolist(), strict=True))
+            for a, act in enumerate(acts)
+        }
+        for k, kind in enumerate(play.kinds)
+        for h, hands in enumerate(HANDS)
+        if play.outcomes.visits[0, k, h].any()
+    }
+    reached = {
+        kind: ", ".join(f"{state} {n}" for state, n in zip(states, play.reached[k].sum(0).tolist(), strict=True) if n)
+        for k, kind in enumerate(play.kinds)
+    }
+    return {
+        "play_body_minutes": play.minutes,
+        "tries": int(play.reached.sum()),
+        "counted": play.outcomes.transitions,
+        "reached": reached,
+        "outcome_probability": tables,
+    }
+
+
+def begin(config: Config, things: tuple[str, ...], out: Path) -> Child:
+    """Who played so far, or one who has babbled and looked at its hands.
+
+    Raises:
+        ExperimentError: another mind, or other kinds of things, than the file's.
+    """
+    mind = None if config.forward_model is None else load(config.forward_model, Mind)
+    if out.exists():
+        child = meet(out)
+        if mind is not None and mind.fingerprint != child.play.fingerprint:
+            raise ExperimentError(f"{out}: somebody with another body played here; choose another name")
+        if child.play.kinds != kinds(things):
+            raise ExperimentError(
+                f"{out}: play with {', '.join(child.play.kinds)} is here, not with {', '.join(kinds(things))}; "
+                "name the same things, or another file"
+            )
+        return child
+    with progress("babbling on the seat") as report:
+        mind, image = born(config.seed, report, mind)
+    child = Child(mind, image, empty(mind, things))
+    for what in NAMED:
+        save(getattr(child, what), beside(out, what))
+    return child
+
+
+def others(out: Path) -> list[Path]:
+    """What is left beside the play."""
+    return [*(beside(out, what) for what in NAMED), out.with_suffix(".json"), out.with_suffix(".png")]
+
+
+def check_file(out: Path, new: bool) -> None:
+    """Refuse early what could not be written, or should not be overwritten.
+
+    Raises:
+        ExperimentError: a directory, another kind of file, strangers beside it, a place that cannot be written.
+    """
+    with writing(out, "file"):
+        if out.is_dir() or out.suffix != ".nc":
+            raise ExperimentError(
+                f"--out {out}: a play's file ends in .nc; name a file such as {out.stem or 'play'}.nc"
+            )
+        if out.exists() and (new or not is_kind(out, Play)):
+            raise ExperimentError(f"{out}: this file is there already and would be lost; choose another name")
+        if not out.exists() and (taken := [file.name for file in others(out) if file.exists()]):
+            raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
