@@ -9,7 +9,7 @@ from typing import Annotated
 
 import numpy as np
 
-from babbling.axes import FloatArray, same_axes
+from babbling.axes import FloatArray, IntArray, same_axes
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
 from imitation.episodes import Episode
@@ -73,4 +73,31 @@ class HeadMemory:
             raise ImitationError(
                 f"this memory belongs to another body (fingerprint {self.body}, this body has {fingerprint}); "
                 "give the robot that watched"
+            )
+
+
+@kind("act memory", "`imitate objects` leaves such files", ImitationError)
+@dataclass(frozen=True, eq=False)
+class ActMemory:
+    """An act on an object, as it was seen: states of the object, and the movement by what oneself does so."""
+
+    body: str
+    """Fingerprint of the body in whose terms it is."""
+    thing: str
+    """What kind of thing it was."""
+    states: Annotated[IntArray, Numbers(".visit", low=0, index="state")]
+    """(N,) s_1 .. s_N of the object, as numbers of one's own states."""
+    primitive: Annotated[FloatArray, Numbers("primitive", low=0, high=1)]
+    """(A,) P(primitive | movement)."""
+
+    def check(self, fingerprint: str) -> None:
+        """Refuse to act on somebody else's memory.
+
+        Raises:
+            ImitationError: it belongs to another body.
+        """
+        if self.body != fingerprint:
+            raise ImitationError(
+                f"this memory belongs to another body (fingerprint {self.body}, this one has {fingerprint}); "
+                "give the play of the one who watched"
             )

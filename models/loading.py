@@ -108,7 +108,9 @@ def hung(robot: Robot) -> mujoco.MjSpec:
 
 
 def equipped(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjSpec:
-    """With the springs that a robot has and the loads it carries."""
+    """At a robot's size, with the springs that it has and the loads it carries."""
+    if robot.size != 1:
+        _resize(spec, robot.size)
     for joint, spring in robot.springs.items():
         ends = (spring.low, spring.high)
         spec.add_tendon(name=f"{joint}_spring", stiffness=spring.stiffness, springlength=ends).wrap_joint(joint, 1.0)
@@ -117,6 +119,15 @@ def equipped(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjSpec:
         ball = held.add_body(name=f"{name}_payload", pos=held.ipos)
         ball.add_geom(size=(ball_radius(kg), 0, 0), mass=kg, group=2, contype=0, conaffinity=0)
     return spec
+
+
+def _resize(spec: mujoco.MjSpec, size: float) -> None:
+    for body in spec.bodies:
+        body.pos, body.ipos = body.pos * size, body.ipos * size
+    for thing in (*spec.geoms, *spec.sites):
+        thing.pos, thing.size, thing.fromto = thing.pos * size, thing.size * size, thing.fromto * size
+    for thing in (*spec.joints, *spec.cameras):
+        thing.pos = thing.pos * size
 
 
 def compiled(robot: Robot) -> mujoco.MjModel:

@@ -93,6 +93,8 @@ class Robot:
     """Parts of limbs whose directions can be shown to it: by a teacher, in a mirror."""
     stance: Stance | None = None
     """None for a robot without soles and balance organ."""
+    size: float = 1.0
+    """Share of its lengths that it has; masses stay."""
     seat: Seat | None = None
     """None for a robot that does not sit at a table."""
     babbles: Literal["joints", "eyes"] = "joints"
@@ -158,6 +160,12 @@ ROBOTS: Mapping[str, Robot] = MappingProxyType(
             hoap2.SEAT,
             "the same on a seat, its pelvis fixed: what plays with objects on a table",
             seat=Seat(),
+        ),
+        "hoap2-seated-small": Robot(
+            hoap2.SEAT,
+            f"a smaller one on its seat, {facts.SMALL:g} of the length, as heavy: a peer",
+            seat=Seat(),
+            size=facts.SMALL,
         ),
         "biclops": Robot(
             biclops.ROBOT,

@@ -25,11 +25,12 @@ class Child:
     mind: Mind
     image: BodyImage
     play: Play
+    robot: str = SEATED
 
     @property
     def player(self) -> Player:
         """At a table."""
-        return Player(self.mind, self.image)
+        return Player(self.mind, self.image, robot=self.robot)
 
 
 def beside(path: Path, what: str) -> Path:
@@ -37,11 +38,17 @@ def beside(path: Path, what: str) -> Path:
     return path.with_suffix(NAMED[what])
 
 
-def born(seed: int, report: Callable[[float], None], mind: Mind | None = None) -> tuple[Mind, BodyImage]:
+def born(
+    seed: int,
+    report: Callable[[float], None],
+    mind: Mind | None = None,
+    robot: str = SEATED,
+    minutes: float = BABBLING_MINUTES,
+) -> tuple[Mind, BodyImage]:
     """Babble on the seat, unless there is a mind, and look at one's own hands and head."""
     if mind is None:
-        mind = learn_mind(BodyOptions(robot=SEATED, seed=seed), BABBLING_MINUTES, report).mind
-    return mind, look_at_hands(mind, seed)
+        mind = learn_mind(BodyOptions(robot=robot, seed=seed), minutes, report).mind
+    return mind, look_at_hands(mind, seed, robot)
 
 
 def keep(child: Child, path: Path) -> None:

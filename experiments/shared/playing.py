@@ -10,9 +10,10 @@ from babbling.axes import FloatArray, IntArray, fixed
 from babbling.body_image import BodyImage
 from babbling.mind import Mind
 from experiments.shared.standing import FARTHEST, Joints
+from imitation.acting.handling import again, movement, postures
 from imitation.acting.loop import Imitator
 from imitation.acting.movement import Movement
-from imitation.acting.primitives import LOOK_AGAIN, WAYS_S, Thing, again, movement, plan, postures
+from imitation.acting.primitives import LOOK_AGAIN, WAYS_S, Thing, plan
 from imitation.acting.reaching import places
 from models.body import SimulatedBody
 from models.loading import load_body
@@ -50,11 +51,11 @@ def points(noise: float = SEEING_M) -> Look:
     return look
 
 
-def at_table(toy: str, copies: int, *, threads: int = 1, **how: Any) -> PlayBody:
+def at_table(toy: str, copies: int, *, robot: str = SEATED, threads: int = 1, **how: Any) -> PlayBody:
     """So many copies of the robot on its seat before specimens of an object."""
-    robot = ROBOTS[SEATED]
-    assert robot.seat is not None
-    return PlayBody(robot, robot.seat, TOYS[toy], name=SEATED, copies=copies, threads=threads, **how)
+    known = ROBOTS[robot]
+    assert known.seat is not None
+    return PlayBody(known, known.seat, TOYS[toy], name=robot, copies=copies, threads=threads, **how)
 
 
 @dataclass(frozen=True)
@@ -105,11 +106,12 @@ class Player:
         mind: what babbling on the seat taught.
         image: where hands and forehead are seen in a posture.
         look: how things are seen.
+        robot: on a seat.
     """
 
-    def __init__(self, mind: Mind, image: BodyImage, look: Look | None = None) -> None:
+    def __init__(self, mind: Mind, image: BodyImage, look: Look | None = None, robot: str = SEATED) -> None:
         self.mind, self.image, self.look = mind, image, look or points()
-        self.hung: SimulatedBody = load_body(SEATED)
+        self.hung: SimulatedBody = load_body(robot)
         mind.check(self.hung)
         image.check(self.hung)
 

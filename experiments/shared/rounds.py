@@ -37,11 +37,11 @@ SPECIMENS = 1_000_000
 """Specimens from here on are played with; those that an experiment judges by come before."""
 
 
-def look_at_hands(mind: Mind, seed: int, minutes: float = LOOKING_MINUTES) -> BodyImage:
+def look_at_hands(mind: Mind, seed: int, robot: str = SEATED) -> BodyImage:
     """Where hands and forehead are seen in every posture, learned by moving and looking."""
-    body = load_body(SEATED, copies=LOOKING_COPIES, seed=seed)
+    body = load_body(robot, copies=LOOKING_COPIES, seed=seed)
     rest = body.reset()[:, mind.pilot.schema.posture].mean(0)
-    seen = mirror_babble(body, Hands(body, seed), mind.pilot.schema, mind.pilot.motors, minutes, seed)
+    seen = mirror_babble(body, Hands(body, seed), mind.pilot.schema, mind.pilot.motors, LOOKING_MINUTES, seed)
     return learn_image(seen, find_organs(seen), mind.pilot.low, mind.pilot.high, rest, seed, mind.fingerprint)
 
 

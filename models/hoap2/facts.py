@@ -158,6 +158,9 @@ SEATED_DEG: Final = MappingProxyType(
 )
 """Upright on a seat, thighs level, hands before the chest, eyes on the table, degrees; joints not named are at zero."""
 
+SMALL: Final = 0.85
+"""Share of its lengths that a smaller peer has."""
+
 PULSE_SIGNS: Final = MappingProxyType(
     {f"right_leg_joint_{i}": sign for i, sign in enumerate((1, 1, -1, 1, 1, -1), 1)}
     | {f"right_arm_joint_{i}": sign for i, sign in enumerate((1, 1, -1, -1), 1)}

@@ -74,7 +74,7 @@ class PlayBody(SimulatedBody):
         **how: Any,
     ) -> None:
         model = seated(robot, seat, toy, table).compile()
-        self.table = seat.table if table is None else table
+        self.table = seat.table * robot.size if table is None else table
         """m, height of its top."""
         self.seat, self.toy, self.busy, self._specimens = seat, toy, busy, specimens
         self._points: FloatArray | None = None

@@ -6,6 +6,7 @@ import mujoco
 
 from models.errors import BodyError
 from models.files import checked
+from models.loading import equipped
 from models.objects import Toy
 from models.robots import Robot, Seat
 
@@ -30,7 +31,7 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
     Raises:
         BodyError: an object without the sites it is known by, or that MuJoCo cannot read.
     """
-    spec = mujoco.MjSpec.from_file(str(robot.path))
+    spec = equipped(mujoco.MjSpec.from_file(str(robot.path)), robot)
     for geom in spec.geoms:
         touches = geom.name in seat.touching
         geom.contype, geom.conaffinity = (HAND, THING) if touches else (0, 0)
@@ -38,7 +39,7 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
             geom.margin = geom.gap = GRASP_M
     for exclude in list(spec.excludes):
         spec.delete(exclude)
-    top = seat.table if table is None else table
+    top = seat.table * robot.size if table is None else table
     spec.worldbody.add_geom(
         name="table", type=mujoco.mjtGeom.mjGEOM_BOX, size=TABLE, pos=(TABLE_X, 0, top - TABLE[2]), contype=THING,
         conaffinity=EVERYTHING, rgba=(0.62, 0.6, 0.57, 1), friction=(0.8, 0.01, 0.001), condim=4,

@@ -1,0 +1,65 @@
+"""Options of `imitate objects`."""
+
+from typing import Annotated, Any, Literal
+
+from babbling.errors import unknown
+from experiments.errors import ExperimentError
+from experiments.shared.options import Options, Selection, ToRead, options, within
+from imitation.acting.primitives import NAMES
+from models.objects import TOYS
+
+CONDITIONS = ("live", "week", "room", "television", "peer", "none", "handled")
+
+
+def a_toy(option: str, name: str) -> None:
+    """An object that there is."""
+    if name not in TOYS:
+        raise ExperimentError(f"{option} {unknown('object', name, TOYS)}")
+
+
+def an_act(option: str, name: str) -> None:
+    """A primitive that there is."""
+    if name not in NAMES:
+        raise ExperimentError(f"{option} {unknown('act', name, NAMES)}")
+
+
+@options
+class Config(Options):
+    """Options of `imitate objects`."""
+
+    object: Annotated[str, a_toy] = "panel"
+    """What the act is done with: dumbbell, wide_dumbbell, outsized, panel, box, loop, square or cup."""
+    act: Annotated[str, an_act] = "press with the head"
+    """What the teacher does: pull, spread, push together, squeeze, lift with both, press, press with the head, press
+    the other, hold, lift, carry, carry and push, sweep."""
+    condition: Literal["live", "week", "room", "television", "peer", "none", "handled"] = "live"
+    """How it is seen: live from across the table; a week before, recalled in a new process; in another room (place of
+    the eyes, height of the table); on television (one image, no depth); done by a smaller peer; not at all; only
+    handled."""
+    play: ToRead | None = None
+    """What the imitator learned in play (`imitate play`); without one it plays for 64 body-minutes first."""
+    acts: Annotated[int, within(1, 20)] = 3
+    """Acts that there is time for."""
+    selection: Selection = "matching"
+    """How an action is chosen from its posterior: map or matching."""
+    workers: Annotated[int, within(1, 256)] = 2
+    """Processes; the result does not depend on it."""
+    study: bool = False
+    """Every figure over agents and plays (minutes)."""
+    plays: tuple[ToRead, ...] = ()
+    """Independent plays to study (`imitate play --seed 0`, 1, ...); none named is --play's alone."""
+    agents: Annotated[int, within(2, 10_000)] = 200
+    """Agents of the study, shared out over the plays."""
+
+    def check(self) -> None:
+        """See `Options`."""
+        if self.plays and not self.study:
+            raise ExperimentError("--plays: several plays are for --study; one imitator takes --play")
+        if self.selection == "mean":
+            raise ExperimentError("--selection mean: primitives are categories and have no mean; use map or matching")
+        super().check()
+
+
+def words(config: Any) -> str:
+    """What happens, for people."""
+    return f"{config.act!r} with the {config.object}, {config.condition}"
