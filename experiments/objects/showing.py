@@ -34,6 +34,10 @@ class Act:
     tried: Tried
     """The physics that they come from; copy n is act n's in `rows`."""
     rows: IntArray
+    robot: str
+    """Whose."""
+    table: float | None
+    """m, its height where it was not the usual one."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,9 @@ def demonstrated(
         raise ExperimentError(f"{act!r} with the {toy} never ended {state!r} in {tries} tries, only {found}")
     rows = np.resize(rows, count)
     world = np.concatenate([tried.true.parts, tried.true.handles], 2)[list(LOOKED_AT)]
-    return Act(world.swapaxes(0, 1)[rows], tried.true.signal[list(LOOKED_AT)].T[rows], tried, rows)
+    return Act(
+        world.swapaxes(0, 1)[rows], tried.true.signal[list(LOOKED_AT)].T[rows], tried, rows, teacher.robot, table
+    )
 
 
 def watched(act: Act, condition: str, rng: np.random.Generator) -> Seen:

@@ -1,4 +1,4 @@
-"""From places that one's parts are to come to, to sub-goals: postures by the learned image, and smooth ways through them."""
+"""From places that one's parts are to come to, to sub-goals: postures by the learned image, and smooth ways."""
 
 from collections.abc import Sequence
 from typing import Final

@@ -1,8 +1,9 @@
 """What one does with things: primitives, each a few places that one's own parts are to come to, one after the other.
 
 Places are told relative to what is seen: the middles a and b of the two parts a thing is known by, and how far it
-reaches to the side and up. They become postures, a smooth movement, and sub-goals in `imitation.acting.handling`. Where exactly a thing is touched is not told: the aim
-(forward, outwards, up) is added to every place of contact, and found by play.
+reaches to the side and up. They become postures, a smooth movement, and sub-goals in `imitation.acting.handling`.
+Where exactly a thing is touched is not told: the aim (forward, outwards, up) is added to every place of contact, and
+found by play.
 """
 
 from collections.abc import Callable

@@ -124,6 +124,7 @@ class PlayBody(SimulatedBody):
         if self._points is None:
             return self._feel()
         self.batch.ctrl[:, self._grips] = 0
+        self.batch.qfrc_applied[:] = 0
         self._bound[:] = self.busy
         for copy, places in enumerate(self._where if self.toy else ()):
             for piece, (place, turn) in zip(self._pieces, places, strict=True):
@@ -137,6 +138,21 @@ class PlayBody(SimulatedBody):
     def grip(self, efforts: FloatArray) -> None:
         """From now on (B, 2) palms hold with these shares of their strength, 0 to 1."""
         self.batch.ctrl[:, self._grips] = np.clip(efforts, 0, 1)
+
+    def tug(self, newtons: FloatArray) -> None:
+        """From now on (B,) N pull the ends of an object apart: for those who test its friction.
+
+        Raises:
+            BodyError: an object that is not held together by friction.
+        """
+        if "stiction" not in self._joints:
+            raise BodyError(f"{self.name}: nothing is held together by dry friction here")
+        self.batch.qfrc_applied[:, int(self._joints["stiction"].dofadr[0])] = newtons
+
+    @property
+    def apart(self) -> FloatArray:
+        """(B,) m that the ends of an object have been drawn apart; for those who judge."""
+        return np.array(self.batch.qpos[:, int(self._joints["stiction"].qposadr[0])])
 
     @property
     def places(self) -> FloatArray:

@@ -1,0 +1,112 @@
+"""The recording of `imitate objects`: teacher and imitator at their tables, contact, grip, states, Eq. (1)'s choice."""
+
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from experiments.objects.found import Done
+from experiments.objects.options import words
+from experiments.shared import views
+from experiments.shared.palette import DEMONSTRATED, IMITATED, SERIES
+from experiments.shared.playing import TICK_S, Tried, at_table
+from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
+from imitation.acting.primitives import NAMES
+from models.objects import TOYS
+from models.objects.states import STATES, Watched
+from models.shapes import parts
+
+PARTS = ("left hand", "right hand", "forehead")
+BESIDE = 0.75
+"""m between imitator and teacher."""
+
+
+def record(path: Path, done: Done, summary: str) -> None:
+    """Write the recording."""
+    name = f"{words(done.config)}, seed {done.config.seed}"
+    with recording(path, "imitate-objects", name, layout(done), summary) as stream:
+        _log_imitator(stream, done)
+        if done.act is not None:
+            _log_teacher(stream, done)
+        _log_tables(stream, done)
+
+
+def layout(done: Done) -> rrb.Horizontal:
+    """The tables left; touch, grip, state and choice right."""
+    belief = rrb.BarChartView(name=f"Eq. (1): P(primitive | {done.goal})", origin="/choice")
+    taken = rrb.BarChartView(name="P(primitive | movement seen)", origin="/recognised")
+    tables = rrb.Spatial2DView(name="P(state | primitive), states across, primitives down", origin="/tables")
+    return views.beside(
+        views.world("imitator, and teacher behind", (1.05, -0.75, 0.75), (0.08, 0.25, 0.2)),
+        rrb.StateTimelineView(name="the imitator's object", origin="/object"),
+        rrb.TimeSeriesView(name="touch [N]", origin="/touch"),
+        rrb.TimeSeriesView(name="grip, at most [N]", origin="/grip"),
+        rrb.Horizontal(taken, belief),
+        rrb.Tabs(
+            tables, rrb.TimeSeriesView(name="where its parts are, above the table [m]", origin="/height"), active_tab=0
+        ),
+        row_shares=[0.7, 1, 0.8, 1, 1.2],
+        stage_share=2.2,
+    )
+
+
+def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
+    """All its acts, one after the other."""
+    tries, toy = done.response.tried, done.config.object
+    body = at_table(toy, 1)
+    whole = np.concatenate([tried.configurations[:, 0] for tried in tries])
+    stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
+    for n, part in enumerate(PARTS):
+        felt = np.concatenate([tried.touch[:, 0, n] for tried in tries])
+        log_series(stream, f"touch/{n}", felt, TICK_S, part, SERIES[n])
+        height = np.concatenate([tried.true.parts[:, 0, n, 2] for tried in tries])
+        log_series(stream, f"height/{n}", height, TICK_S, part, SERIES[n])
+        if n < 2:
+            grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
+            log_series(stream, f"grip/{n}", grip, TICK_S, part, SERIES[n])
+    colours = dict(zip(STATES, [(120, 120, 120), *SERIES, (230, 120, 120), (240, 240, 240)], strict=True))
+    states, acts = list[str](), list[str]()
+    for tried in tries:
+        states += became(tried, toy)
+        acts += [NAMES[int(tried.which[0])]] * len(tried.path)
+    log_states(stream, "object/state", colours, states, TICK_S)
+    log_states(stream, "object/act", dict.fromkeys(acts), acts, TICK_S)
+    if done.memory is not None:
+        goal = [done.goal] * len(states)
+        log_states(stream, "object/remembered", {done.goal: DEMONSTRATED}, goal, TICK_S)
+    choice = np.concatenate([np.repeat(done.response.posteriors[:1], len(tried.path), 0) for tried in tries])
+    log_bars(stream, "choice", choice, TICK_S)
+    if done.memory is not None:
+        log_bars(stream, "recognised", np.repeat(done.memory.primitive[None], len(choice), 0), TICK_S)
+
+
+def became(tried: Tried, toy: str) -> list[str]:
+    """The state of an object at every tick, as if all ended there."""
+    true = tried.true
+    looks = [
+        Watched(true.handles[: t + 1, :1], true.parts[: t + 1, :1], true.signal[: t + 1, :1])
+        for t in range(len(tried.path))
+    ]
+    return [STATES[int(TOYS[toy].state(look)[0])] for look in looks]
+
+
+def _log_teacher(stream: rr.RecordingStream, done: Done) -> None:
+    assert done.act is not None
+    row = int(done.act.rows[0])
+    shown = at_table(done.config.object, 1, robot=done.act.robot, table=done.act.table)
+    moved = done.act.tried.configurations[:, row]
+    offset = (0.0, BESIDE, 0.0)
+    log_body(stream, "world/teacher", parts(shown.model, moved), TICK_S, offset=offset, tint=DEMONSTRATED)
+    signs = rr.Points3D(
+        [(-0.1, 0, 0.45), (-0.1, BESIDE, 0.45)], radii=[0.004], labels=["imitator", "teacher"],
+        colors=[IMITATED, DEMONSTRATED], show_labels=True,
+    )  # fmt: skip
+    stream.log("world/labels", signs, static=True)
+
+
+def _log_tables(stream: rr.RecordingStream, done: Done) -> None:
+    play = done.child.play
+    kind = play.kinds.index(TOYS[done.config.object].kind)
+    log_picture(stream, "tables", heat_map(play.outcomes.predictive[0, kind, 0], aspect=1.2))

@@ -1,0 +1,116 @@
+"""An act on an object is seen once, remembered, and done by one's own means (chapter, sections 2.3 and 3.5)."""
+
+from dataclasses import replace
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from experiments.errors import ExperimentError
+from experiments.objects.deciding import UNSEEN, remembered, respond
+from experiments.objects.figures import figures, study_figures
+from experiments.objects.found import Done, Studied
+from experiments.objects.options import Config
+from experiments.objects.recording import record
+from experiments.objects.showing import demonstrated, watched
+from experiments.objects.study import HEADS, Task, measured, peer
+from experiments.objects.week import a_week_later
+from experiments.shared.children import Child, born, meet
+from experiments.shared.experiment import Result
+from experiments.shared.parallel import in_parallel
+from experiments.shared.playing import TICK_S, TICKS
+from experiments.shared.progress import progress
+from experiments.shared.rounds import PLAYED, empty, play_on, round_minutes
+from experiments.shared.tables import table
+from imitation.acting.primitives import NAMES
+from models.objects import TOYS
+from models.objects.states import STATES
+
+QUICK_MINUTES = 64.0
+"""Body-minutes of play, where none was saved."""
+ROOM_TABLE_M = 0.22
+
+
+def run(config: Config) -> Result:
+    """See, remember, act; or the study."""
+    config.check()
+    if config.study:
+        return study(config)
+    child = who(config)
+    kind = TOYS[config.object].kind
+    if kind not in child.play.kinds:
+        raise ExperimentError(
+            f"--object {config.object}: {kind} was never played with, only {', '.join(child.play.kinds)}; "
+            "play with it first"
+        )
+    rng = np.random.default_rng([config.seed, 0x0B])
+    act = seen = memory = None
+    if config.condition == "none":
+        response = respond(child, config.object, np.array([UNSEEN]), config.acts, config.selection, rng, keep=True)
+    else:
+        doing = "lift with both" if config.condition == "handled" else config.act
+        teacher = peer(config.seed + 1, child) if config.condition == "peer" else child
+        goal = int(child.play.practised(child.play.kinds.index(kind))[NAMES.index(doing)])
+        state = None if goal < 0 or config.condition == "handled" else STATES[goal]
+        higher = ROOM_TABLE_M if config.condition == "room" else None
+        act = demonstrated(teacher, config.object, doing, state, 1, config.seed, table=higher, keep=True)
+        seen = watched(act, config.condition, rng)
+        [memory] = remembered(child.play, config.object, seen)
+        if config.condition == "week":
+            response = a_week_later(
+                child, [memory], config.object, config.acts, config.selection, config.seed, 0, keep_all=True
+            )
+        else:
+            goals = memory.states[-1:]
+            response = respond(child, config.object, goals, config.acts, config.selection, rng, keep=True)
+    done = Done(config, child, act, seen, memory, response)
+    rows = [
+        ("what was seen", "nothing" if memory is None else f"{config.act} ({config.condition})"),
+        ("taken for", done.metrics["recognised"] or "-"),
+        ("what it is after", done.goal),
+        *((f"act {n}", f"{name}: {state}") for n, (name, state) in enumerate(done.acts, 1)),
+    ]
+    summary = f"# An act on the {config.object}\n\n" + table(rows)
+    return Result(done.metrics, summary, figures(done), lambda path: record(path, done, summary))
+
+
+def who(config: Config) -> Child:
+    """Who has played: from a file, or for a while now."""
+    if config.play is not None:
+        return meet(config.play)
+    with progress("babbling on the seat") as report:
+        mind, image = born(config.seed, report)
+    rounds = ceil(QUICK_MINUTES / round_minutes(PLAYED, TICK_S, TICKS))
+    play = play_on(mind, image, empty(mind), PLAYED, rounds, config.seed, config.workers)
+    return Child(mind, image, play)
+
+
+def study(config: Config) -> Result:
+    """Every figure, over agents and plays."""
+    plays = [meet(path) for path in config.plays] or [who(config)]
+    each = ceil(config.agents / len(plays))
+    parts = ("tables", "success", "new", "apart", *HEADS)
+    one = Task("", plays[0], 0, each, config.acts, config.selection, config.seed)
+    tasks = [replace(one, part=part, child=child, number=n) for part in parts for n, child in enumerate(plays)]
+    studied = Studied(config, plays, in_parallel(measured, tasks, config.workers, "studying acts on objects"))
+    metrics = studied.metrics
+    rows = [
+        *((f"{name}: done", percent(metrics, "primitive_success", name)) for name in metrics["primitive_success"]),
+        ("creep at 90 % of dry friction", f"{metrics['creep_mm_per_s']:.3f} mm/s"),
+        (
+            "pulled apart, grip below / above 1.5 x friction",
+            f"{metrics['apart_rate_below']:.1%}, {metrics['apart_rate_above']:.1%}",
+        ),
+        ("tables of 8 tries a cell: calibration error", f"{metrics['outcome_calibration_error']:.3f}"),
+        ("the same: gain over the kind alone", f"{metrics['outcome_gain_bits']:.2f} bits"),
+        ("another's primitive recognised", f"{metrics['recognition_points']:.1%}"),
+        ("new object, first try / after own play", f"{metrics['new_object_ratio']:.2f}"),
+        *((f"head touch, {name}", percent(metrics, "head_touch", name)) for name in metrics["head_touch"]),
+    ]
+    return Result(metrics, "# Acts on objects\n\n" + table(rows), study_figures(studied))
+
+
+def percent(metrics: dict[str, Any], key: str, name: str) -> str:
+    """A share with its interval."""
+    low, high = metrics[f"{key}_interval"][name]
+    return f"{metrics[key][name]:.1%} ({low:.0%} to {high:.0%})"

@@ -1,0 +1,214 @@
+"""Every figure of acts on objects, over agents and independent plays: what `--study` measures, task by task."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from babbling.axes import FloatArray, IntArray
+from babbling.forward_model import ForwardModel
+from babbling.play import Play
+from experiments.objects.deciding import UNSEEN, decide, remembered, respond
+from experiments.objects.showing import demonstrated, watched
+from experiments.objects.week import a_week_later
+from experiments.shared.children import Child, born
+from experiments.shared.judging import calibration_error
+from experiments.shared.playing import SEEING_M, at_table
+from experiments.shared.rounds import PLAYED, empty, play_on
+from imitation.acting.primitives import NAMES
+from imitation.seeing.acts import likelihood
+from models.objects import TOYS
+from models.objects.states import LIT_BY_HEAD, STATES
+
+SUCCESS = (
+    ("lift", "cup", "lift", "up"),
+    ("press", "panel", "press", "lit by hand"),
+    ("head", "panel", "press with the head", "lit by head"),
+    ("spread narrow", "dumbbell", "spread", "apart"),
+    ("bead", "cup", "carry", "joined"),
+    ("loop", "loop", "carry", "joined"),
+    ("stick", "box", "", "buzz"),
+)
+"""Name, object, primitive (none: the one that Eq. (1) finds likeliest) and the state it should bring about."""
+PLACEMENTS = 100
+CELL, TEST = 8, 4
+"""Tries of every primitive with every kind that tables are made of, and that judge them."""
+NEW = {"wide_dumbbell": "apart", "square": "joined"}
+"""Objects never played with, whose kinds were; and what is to be brought about."""
+OWN_ROUNDS = 6
+"""Rounds of play with those two, for comparison."""
+PEER_MINUTES = 3.0
+HEADS = ("live", "week", "room", "television", "peer", "none", "handled")
+JUDGED = 7_000_000
+"""Specimens from here on judge."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One part of the study of one play."""
+
+    part: str
+    child: Child
+    number: int
+    """Of the play."""
+    agents: int
+    acts: int
+    selection: str
+    seed: int
+
+
+def measured(task: Task) -> dict[str, Any]:
+    """What one part finds."""
+    return {"success": success, "apart": apart, "tables": tables, "new": new, **dict.fromkeys(HEADS, head)}[task.part](
+        task
+    )
+
+
+def specimens(task: Task, part: int) -> int:
+    """First specimen of a part of the study, of its own for every play."""
+    return JUDGED + 100_000 * task.number + 10_000 * part
+
+
+def success(task: Task) -> dict[str, Any]:
+    """How often primitives bring about what they are practised for, with specimens never met."""
+    found = {}
+    for number, (name, toy, act, state) in enumerate(SUCCESS):
+        play, goal = task.child.play, STATES.index(state)
+        kind = play.kinds.index(TOYS[toy].kind)
+        goals = np.full(PLACEMENTS, goal)
+        if act:
+            which = np.full(PLACEMENTS, NAMES.index(act))
+        else:
+            which = decide(play, kind, 0, goals, "map")[0].probability.argmax(1)
+        found[name] = did(task, toy, which, goals, specimens(task, number)) == goal
+    return {"success": found}
+
+
+def did(task: Task, toy: str, which: IntArray, goals: IntArray, first: int, play: Play | None = None) -> IntArray:
+    """(N,) what became of specimens `first` and following: primitives aimed at goals as play taught."""
+    play = play or task.child.play
+    kind = play.kinds.index(TOYS[toy].kind)
+    body = at_table(toy, len(which))
+    body.set_out(first)
+    rng = np.random.default_rng([task.seed, task.number, first])
+    tried = task.child.player.tries(body, which, play.aim(kind, which, goals)[0], rng)
+    return TOYS[toy].state(tried.true)
+
+
+def apart(task: Task) -> dict[str, Any]:
+    """Grip against dry friction: how far ends creep at 90 % of it, and when pulling parts them."""
+    body = at_table("dumbbell", 32)
+    body.set_out(specimens(task, 8))
+    body.tug(0.9 * body.stiction)
+    still = body.command_angles(np.clip(body.joint_angles, *body.joint_range.T))
+    for _ in range(round(1 / body.tick_s)):
+        body.act(still)
+    creep = float(1e3 * np.abs(body.apart).max())
+    count = 2 * PLACEMENTS
+    body = at_table("dumbbell", count)
+    body.set_out(specimens(task, 9))
+    rng = np.random.default_rng([task.seed, task.number, 9])
+    play, which = task.child.play, np.full(count, NAMES.index("pull"))
+    aims = play.aim(play.kinds.index("dumbbell"), which, np.full(count, STATES.index("apart")))[0]
+    aims[:, 4] = rng.uniform(0.1, 1, count)
+    tried = task.child.player.tries(body, which, aims, rng)
+    ratio = aims[:, 4] * body.grip_n / body.stiction
+    parted = TOYS["dumbbell"].state(tried.true) == STATES.index("apart")
+    return {"creep_mm_per_s": creep, "below": parted[ratio < 1], "above": parted[ratio > 1.5]}
+
+
+def tables(task: Task) -> dict[str, Any]:
+    """Tables of `CELL` tries a cell against tries that were held out, and recognising by sight what was done."""
+    play = task.child.play
+    model = ForwardModel(
+        play.outcomes.contexts, play.outcomes.action, play.outcomes.outcome, prior_strength=play.outcomes.prior_strength
+    )
+    held: list[tuple[IntArray, ...]] = []
+    right = list[IntArray]()
+    for number, thing in enumerate(PLAYED):
+        toy, _, hands = thing.partition(":")
+        kind, count = play.kinds.index(TOYS[toy].kind), len(NAMES) * (CELL + TEST)
+        body = at_table(toy, count, busy=bool(hands))
+        body.set_out(specimens(task, 10 + number))
+        which = np.arange(count) % len(NAMES)
+        rng = np.random.default_rng([task.seed, task.number, 10 + number])
+        tried = task.child.player.tries(body, which, play.aim(kind, which, play.practised(kind)[which])[0], rng)
+        came = TOYS[toy].state(tried.seen)
+        cell = np.stack([np.full(count, kind), np.full(count, int(bool(hands))), which, came])
+        taught = np.arange(count) < len(NAMES) * CELL
+        rows = [values[taught, None] for values in cell]
+        model.observe(rows[:2], rows[2], rows[3])
+        held.append(tuple(cell[:, ~taught]))
+        if not hands:
+            right.append(likelihood(play, kind, tried.tracks, SEEING_M).argmax(1) == which)
+    kinds, hand, acts, came = np.concatenate(held, 1)
+    usual = model.counts[0].sum(2) + 1 / len(STATES)
+    return {
+        "table": scored(model.predictive[0, kinds, hand, acts], came),
+        "kind_alone": scored((usual / usual.sum(-1, keepdims=True))[kinds, hand], came),
+        "of_play": scored(play.outcomes.predictive[0, kinds, hand, acts], came),
+        "recognised": np.concatenate(right),
+    }
+
+
+def scored(probability: FloatArray, came: IntArray) -> FloatArray:
+    """(2,) of (N, O) beliefs: calibration error of the likeliest, and log2 likelihood, bits."""
+    best = probability.argmax(1)
+    off = calibration_error(probability[np.arange(len(came)), best], best == came)[0]
+    bits = np.log2(np.maximum(probability[np.arange(len(came)), came], 1e-3)).mean()
+    return np.array([off, bits])
+
+
+def new(task: Task) -> dict[str, Any]:
+    """Objects never met, of known kinds: the first try by Eq. (1), and tries after playing with them."""
+    child, things = task.child, tuple(NEW)
+    own = play_on(child.mind, child.image, empty(child.mind, things), things, OWN_ROUNDS, 77 + task.number, 1)
+    found = {}
+    for number, (toy, state) in enumerate(NEW.items()):
+        goals = np.full(PLACEMENTS, STATES.index(state))
+        came = []
+        for play in (child.play, own):
+            kind = play.kinds.index(TOYS[toy].kind)
+            which = decide(play, kind, 0, goals, "map")[0].probability.argmax(1)
+            came.append(did(task, toy, which, goals, specimens(task, 20 + number), play) == goals)
+        found[toy] = {"first": came[0], "own": came[1]}
+    return {"new": found}
+
+
+def head(task: Task) -> dict[str, Any]:
+    """(N,) whether agents touch the panel with the forehead, after seeing it done in one way or another."""
+    child, count, condition = task.child, task.agents, task.part
+    rng = np.random.default_rng([task.seed, task.number, HEADS.index(task.part)])
+    first = specimens(task, 30 + HEADS.index(task.part)) - JUDGED
+    if condition == "none":
+        goals, recognised = np.full(count, UNSEEN), np.zeros(0, bool)
+    else:
+        memories, shown = remembered_head(task, rng)
+        goals = np.array([memory.states[-1] for memory in memories])
+        likely = np.array([memory.primitive.argmax() for memory in memories])
+        recognised = likely == shown
+        if condition == "week":
+            response = a_week_later(child, memories, "panel", task.acts, task.selection, task.seed, first)
+            return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
+    response = respond(child, "panel", goals, task.acts, task.selection, rng, first=first)
+    return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
+
+
+def remembered_head(task: Task, rng: np.random.Generator) -> Any:
+    """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel."""
+    child, condition, seed = task.child, task.part, 1000 + 10 * task.number + task.seed
+    if condition == "handled":
+        act = demonstrated(child, "panel", "lift with both", None, task.agents, seed)
+        return remembered(child.play, "panel", watched(act, "live", rng)), NAMES.index("lift with both")
+    teacher = child if condition != "peer" else peer(seed, child)
+    table = None if condition != "room" else 0.22
+    act = demonstrated(teacher, "panel", "press with the head", "lit by head", task.agents, seed, table=table)
+    return remembered(child.play, "panel", watched(act, condition, rng)), NAMES.index("press with the head")
+
+
+def peer(seed: int, like: Child) -> Child:
+    """A smaller child with a mind and an image of its own, who has not played."""
+    robot = "hoap2-seated-small"
+    mind, image = born(seed, lambda share: None, None, robot, PEER_MINUTES)
+    play = Play.empty(mind.fingerprint, like.play.kinds, NAMES, STATES, like.play.moved.shape[-1])
+    return Child(mind, image, play, robot)
