@@ -66,14 +66,7 @@ def study_figures(studied: Studied) -> dict[str, Figure]:
     )
     other = Figure(figsize=(7.5, 4.0), layout="constrained")
     axes = other.subplots()
-    _bars(
-        axes,
-        list(metrics["primitive_success"]),
-        metrics["primitive_success"],
-        metrics["primitive_success_interval"],
-        OURS,
-        "done",
-    )
+    _bars(axes, metrics, "primitive_success", "done")
     axes.set(ylabel="share of tries", ylim=(0, 1.05))
     other.suptitle("Primitives with specimens and places never met: exact 95 % intervals.", fontsize=9)
     return {"head_touch": figure, "primitives": other, "outcomes": outcomes(studied.plays[0].play)}
