@@ -87,7 +87,7 @@ class ForwardModel:
         A transition that falls off an axis is not bent onto its end: it is left out and counted in `outside`.
         A value of NaN means "nothing happened for this factor" and is left out silently.
         """
-        categories = self._categories
+        categories = self.categorical
         values = [np.asarray(v) if categories else np.asarray(v, float) for v in (*context, action, outcome)]
         if len(values) != len(self.axes) or any(v.shape != values[-1].shape for v in values):
             raise BabblingError(f"expected {len(self.axes)} arrays of one shape (N, {len(self.factors)})")
@@ -119,7 +119,7 @@ class ForwardModel:
         """
         if counts.shape != self.counts.shape or (counts.size and counts.min() < 0):
             raise BabblingError(f"counts of shape {counts.shape}; {self.counts.shape} numbers from 0 are needed")
-        if not self._categories:
+        if not self.categorical:
             raise BabblingError(
                 "bare counts say nothing of the moments of a measured axis; merge forward models instead"
             )
@@ -198,18 +198,19 @@ class ForwardModel:
 
         A mean beyond the outcome's range is clipped into it: an all-but-empty row would otherwise turn uniform.
         """
-        if not self._categories:
+        if not self.categorical:
             return self._gaussian(self.outcome, self.axes[:-1])
         usual = self.counts.sum(-2, keepdims=True)
         return np.asarray((usual + 1 / self.outcome.size) / (usual.sum(-1, keepdims=True) + 1))
 
     @property
-    def _categories(self) -> bool:
+    def categorical(self) -> bool:
+        """Whether every axis holds categories."""
         return all(axis.is_categorical for axis in self.axes)
 
     def _usual_action(self) -> FloatArray:
         """`[factor, context..., action]`: what is done as a rule, in contexts of which nothing is known."""
-        if not self._categories:
+        if not self.categorical:
             return self._gaussian(self.action, self.contexts)
         usual = self.counts.reshape(len(self.factors), -1, self.action.size, self.outcome.size).sum((1, 3))
         share = (usual + 1 / self.action.size) / (usual.sum(-1, keepdims=True) + 1)
