@@ -36,7 +36,7 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
         touches = geom.name in seat.touching
         geom.contype, geom.conaffinity = (HAND, THING) if touches else (0, 0)
         if geom.name in seat.holding:
-            geom.margin = geom.gap = GRASP_M
+            geom.gap = GRASP_M
     for exclude in list(spec.excludes):
         spec.delete(exclude)
     top = seat.table * robot.size if table is None else table
