@@ -240,7 +240,7 @@ def _forward_model(held: Variables, name: str, factor: str, model: Any) -> Forwa
     rows, samples = counts.reshape(len(factors), -1), found.moments.samples
     if (rows.sum(1, dtype=float) > MOST_COUNTS).any() or (rows.sum(1) != samples * found.unit).any():
         raise BabblingError(f"{name}_counts and {name}_moments do not tell of the same experience")
-    if strength > 0 and not found.categorical and (samples < LEAST_EXPERIENCE).any():
+    if strength > 0 and not found.outcome.is_categorical and (samples < LEAST_EXPERIENCE).any():
         raise BabblingError(f"{name} has next to no experience; {LEAST_EXPERIENCE} transitions per {factor} are needed")
     if model is not None:
         law = f"P({names[-1]} | {', '.join(names[:-1])}), to 6 decimals"

@@ -7,7 +7,7 @@ Law, per factor f, context c and action a:
 
 with soft counts n, a prior predictive distribution q of strength k pseudo-counts. q is either absent (k = 0: plain
 relative frequencies, a row nobody tried is all zeros) or drawn from the very same experience: its linear-Gaussian fit
-on measured axes, what happens in context c whatever one does on categories.
+on measured axes, what happens in context c whatever one does where outcomes are categories.
 Counts are integers: models learned apart are merged by adding, exactly, in any order.
 """
 
@@ -34,8 +34,8 @@ class ForwardModel:
         action: the axis of actions.
         outcome: the axis of what happens.
         factors: one label per factor, for people.
-        prior_strength: pseudo-counts k of the prior, linear-Gaussian on measured axes, of what usually happens on
-            categories; 0 for none (needed when some axes are categorical and some are not).
+        prior_strength: pseudo-counts k of the prior, linear-Gaussian where all axes are measured, what usually happens
+            where outcomes are categories; 0 for none (needed for measured outcomes of categories).
         fingerprint: of the body whose experience is counted.
     """
 
@@ -57,9 +57,9 @@ class ForwardModel:
             if axis.factors != len(self.factors):
                 raise BabblingError(f"axis {axis.name!r} has {axis.factors} factors, the model has {len(self.factors)}")
         soft = sum(not axis.is_categorical for axis in self.axes)
-        if prior_strength < 0 or (prior_strength > 0 and 0 < soft < len(self.axes)):
+        if prior_strength < 0 or (prior_strength > 0 and not outcome.is_categorical and soft < len(self.axes)):
             raise BabblingError(
-                f"prior strength {prior_strength:g}: it must be >= 0, and 0 where only some axes are categorical"
+                f"prior strength {prior_strength:g}: it must be >= 0, and 0 for measured outcomes of categories"
             )
         self.unit = 1 << (weight_bits(self.axes) * soft)
         self.counts: IntArray = np.zeros((len(self.factors), *(axis.size for axis in self.axes)), np.int64)
@@ -193,14 +193,14 @@ class ForwardModel:
         return self.moments.fit([self.outcome.name], inputs)
 
     def prior(self) -> FloatArray:
-        """`[factor, context..., action, outcome]`: the linear-Gaussian fit, assigned softly to the outcome grid; on
-        categories what happens in that context whatever one does, itself shrunk towards anything alike by one count.
+        """`[factor, context..., action, outcome]`: the linear-Gaussian fit, assigned softly to the outcome grid; of
+        categories, what happens in that context whatever one does, itself shrunk towards anything alike by one count.
 
         A mean beyond the outcome's range is clipped into it: an all-but-empty row would otherwise turn uniform.
         """
-        if not self.categorical:
+        if not self.outcome.is_categorical:
             return self._gaussian(self.outcome, self.axes[:-1])
-        usual = self.counts.sum(-2, keepdims=True)
+        usual = self.counts.sum(-2, keepdims=True) / self.unit
         return np.asarray((usual + 1 / self.outcome.size) / (usual.sum(-1, keepdims=True) + 1))
 
     @property
@@ -210,9 +210,11 @@ class ForwardModel:
 
     def _usual_action(self) -> FloatArray:
         """`[factor, context..., action]`: what is done as a rule, in contexts of which nothing is known."""
-        if not self.categorical:
+        if not self.outcome.is_categorical:
             return self._gaussian(self.action, self.contexts)
-        usual = self.counts.reshape(len(self.factors), -1, self.action.size, self.outcome.size).sum((1, 3))
+        usual = (
+            (self.counts / self.unit).reshape(len(self.factors), -1, self.action.size, self.outcome.size).sum((1, 3))
+        )
         share = (usual + 1 / self.action.size) / (usual.sum(-1, keepdims=True) + 1)
         return np.asarray(share).reshape(len(self.factors), *(1,) * len(self.contexts), self.action.size)
 

@@ -14,7 +14,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from babbling.axes import Axis, BoolArray, FloatArray, IntArray
+from babbling.axes import Axis, FloatArray, IntArray
 from babbling.body import OfOneBody
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
@@ -23,19 +23,22 @@ from babbling.kinds import Numbers, kind
 HANDS: Final = ("free", "busy")
 PRIOR_STRENGTH: Final = 0.5
 """Pseudo-counts of what becomes of this kind of thing, whatever one does."""
+AIMS: Final = ("forward", "outwards", "up", "how far", "how hard")
+MIDDLE: Final = np.array([0.0, 0.0, 0.0, 0.045, 0.65])
+SPREAD: Final = np.array([0.033, 0.02, 0.0105, 0.015, 0.35])
+"""Aims that are tried: their middle, and how far from it they go; m, but for how hard (0 to 1)."""
+AIM_POINTS: Final = 9
+AIM_STRENGTH: Final = 4.0
+"""Pseudo-counts of what a primitive brings about, wherever one aims: few tries say little of where to aim."""
+EAGER: Final = 4.0
+"""Exponent of P(state | aim) where one draws an aim."""
 FINE: Final = 1e-4
 """m, rad^2: what whole numbers count."""
-AIMS: Final = 5
-"""Forward, outwards, up [m], how far [m], how hard [0 to 1]."""
-SPREAD: Final = np.array([0.022, 0.013, 0.007, 0.01, 0.25])
-MIDDLE: Final = np.array([0.0, 0.0, 0.0, 0.045, 0.65])
-"""Aims before anything is known: middle and standard deviation."""
 LEAST: Final = 2
 """Times that a state has come about before one aims for it."""
 COMFORT: Final = 1.2
 """rad: how far from rest is still comfortable (as in `imitation.correspondence.inversion`)."""
 MOST: Final = 2.0**53
-
 _ACTS = "kind primitive"
 
 
@@ -45,13 +48,10 @@ class Play(OfOneBody):
     """What was learned of K kinds of things, with A primitives, O states, D numbers of a seen movement."""
 
     fingerprint: str
-    outcomes: Annotated[ForwardModel, Numbers("factor")]
-    """P(state' | kind, hands, primitive), of what was done as well as one could by then."""
-    reached: Annotated[IntArray, Numbers(f"{_ACTS} state", low=0, high=MOST)]
-    """(K, A, O) how often, first attempts included."""
-    aimed: Annotated[IntArray, Numbers(f"{_ACTS} state aim:{AIMS}", low=-MOST, high=MOST, scale=FINE)]
-    """(K, A, O, 5) sums of the aims with which a state came about."""
-    aimed_squares: Annotated[IntArray, Numbers(f"{_ACTS} state aim:{AIMS}", low=0, high=MOST, scale=FINE**2)]
+    outcomes: Annotated[ForwardModel, Numbers("table")]
+    """P(state' | kind, hands, primitive)."""
+    aims: Annotated[ForwardModel, Numbers("aimed")]
+    """P(state' | kind, primitive, aim), one factor for each of `AIMS`, as shares of `SPREAD` from `MIDDLE`."""
     moved: Annotated[IntArray, Numbers(f"{_ACTS} feature", low=-MOST, high=MOST, scale=FINE)]
     """(K, A, D) sums of where one's parts were seen, m."""
     moved_squares: Annotated[IntArray, Numbers(f"{_ACTS} feature", low=0, high=MOST, scale=FINE**2)]
@@ -79,10 +79,18 @@ class Play(OfOneBody):
             prior_strength=PRIOR_STRENGTH,
             fingerprint=fingerprint,
         )
+        count, ends = len(AIMS), np.ones(len(AIMS))
+        aims = ForwardModel(
+            (Axis.categorical("kind", kinds, count), Axis.categorical("primitive", primitives, count)),
+            Axis("aim", "1", -ends, ends, AIM_POINTS),
+            Axis.categorical("state", states, count),
+            factors=AIMS,
+            prior_strength=AIM_STRENGTH,
+            fingerprint=fingerprint,
+        )
         acts = (len(kinds), len(primitives))
-        aims = np.zeros((*acts, len(states), AIMS), np.int64)
         moved, none = np.zeros((*acts, features), np.int64), np.zeros(acts, np.int64)
-        return cls(fingerprint, outcomes, aims[..., 0].copy(), aims, aims.copy(), moved, moved.copy(), none, 0, 0.0)
+        return cls(fingerprint, outcomes, aims, moved, moved.copy(), none, 0, 0.0)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -90,8 +98,13 @@ class Play(OfOneBody):
         return self.outcomes.contexts[0].labels
 
     @property
+    def reached(self) -> IntArray:
+        """(K, A, O) how often each primitive ended so with each kind, hands free."""
+        return np.asarray(self.outcomes.counts[0][:, HANDS.index("free")])
+
+    @property
     def tried(self) -> IntArray:
-        """(K, A) how often each primitive was done with each kind."""
+        """(K, A) how often each primitive was done with each kind, hands free."""
         return np.asarray(self.reached.sum(-1))
 
     def after(
@@ -103,30 +116,30 @@ class Play(OfOneBody):
         aims: FloatArray,
         features: FloatArray,
         strain: FloatArray,
-        skilled: BoolArray,
         minutes: float,
     ) -> "Play":
-        """After N tries with one kind of thing.
+        """After N tries with one kind of thing; with hands bound, only what became of it is kept.
 
         Args:
             kind, hands: which, and whether hands were free.
             which, states: (N,) primitives and what became of it, as it was seen.
             aims: (N, 5). features: (N, D) where parts were seen. strain: (N,) rad^2.
-            skilled: (N,) whether it was done as well as one can by now.
             minutes: body time.
         """
         new = self.nothing()
+        new.outcomes.observe(
+            [np.full((len(which), 1), value) for value in (kind, hands)], which[:, None], states[:, None]
+        )
+        if hands == HANDS.index("busy"):
+            return self.merged(replace(new, minutes=minutes))
         at = (np.full(len(which), kind), which)
-        whole = np.rint(np.asarray(aims) / FINE).astype(np.int64)
         seen = np.rint(features / FINE).astype(np.int64)
-        np.add.at(new.reached, (*at, states), 1)
-        np.add.at(new.aimed, (*at, states), whole)
-        np.add.at(new.aimed_squares, (*at, states), whole**2)
         np.add.at(new.moved, at, seen)
         np.add.at(new.moved_squares, at, seen**2)
         np.add.at(new.strain, at, np.rint(strain / FINE).astype(np.int64))
-        row = [np.full((int(skilled.sum()), 1), value) for value in (kind, hands)]
-        new.outcomes.observe(row, which[skilled, None], states[skilled, None])
+        shares = np.clip((aims - MIDDLE) / SPREAD, -1, 1)
+        rows = [np.broadcast_to(np.asarray(value)[:, None], shares.shape) for value in (*at, states)]
+        new.aims.observe(rows[:2], shares, rows[2])
         return self.merged(replace(new, minutes=minutes))
 
     def nothing(self) -> "Play":
@@ -144,15 +157,14 @@ class Play(OfOneBody):
             raise BabblingError(
                 f"plays of two bodies (fingerprints {self.fingerprint} and {other.fingerprint}) cannot be merged"
             )
-        outcomes = self.nothing().outcomes
-        for one in (self.outcomes, other.outcomes):
-            outcomes.merge(one)
-        if self.moved.shape != other.moved.shape:
+        if self.moved.shape[-1] != other.moved.shape[-1]:
             raise BabblingError("plays whose movements were seen at other moments cannot be merged")
-        summed = ("reached", "aimed", "aimed_squares", "moved", "moved_squares", "strain", "rounds", "minutes")
-        return replace(self, outcomes=outcomes, **{name: getattr(self, name) + getattr(other, name) for name in summed})
-
-    # ------------------------------------------------------------------ skill
+        both = self.nothing()
+        for one in (self, other):
+            both.outcomes.merge(one.outcomes)
+            both.aims.merge(one.aims)
+        summed = ("moved", "moved_squares", "strain", "rounds", "minutes")
+        return replace(both, **{name: getattr(self, name) + getattr(other, name) for name in summed})
 
     def practised(self, kind: int) -> IntArray:
         """(A,) the state each primitive is practised for with this kind: of those that came about at least `LEAST`
@@ -162,19 +174,18 @@ class Play(OfOneBody):
         surprise = np.where(count >= LEAST, -np.log(share), -np.inf)
         return np.where(np.isfinite(surprise).any(-1), surprise.argmax(-1), -1)
 
-    def aim(self, kind: int, which: IntArray, states: IntArray) -> tuple[FloatArray, FloatArray]:
-        """(N, 5) means and standard deviations of P(aim | kind, primitive, state came about): Gaussian, one imagined
-        success at `MIDDLE`, `SPREAD`; of the imagined one alone where a state (or -1) never came about."""
-        known = (states >= 0)[:, None]
-        count = self.reached[kind, which, states][:, None] * known
-        total = self.aimed[kind, which, states] * FINE * known
-        squares = self.aimed_squares[kind, which, states] * FINE**2 * known
-        mean = (total + MIDDLE) / (count + 1)
-        variance = (squares + MIDDLE**2 + SPREAD**2) / (count + 1) - mean**2
-        return mean, np.sqrt(np.maximum(variance, 1e-8))
+    def aimed(self, kind: int, which: IntArray, states: IntArray) -> FloatArray:
+        """(N, 5, `AIM_POINTS`) P(state | kind, primitive, aim) at every aim, for the inverse; 1 everywhere for a state
+        of -1: nothing is aimed for."""
+        rows = [
+            np.broadcast_to(value[:, None], (len(which), len(AIMS))) for value in (np.full(len(which), kind), which)
+        ]
+        goal = np.broadcast_to(np.maximum(states, 0)[:, None], rows[0].shape)
+        likely = self.aims.likelihood(rows, goal)
+        return np.where((states < 0)[:, None, None], 1.0, likely)
 
     def comfort(self, kind: int) -> FloatArray:
-        """(A,) how gladly each primitive is done with this kind: exp(-strain / 2 COMFORT^2), normalised; alike where
+        """(A,) how gladly each primitive is done with this kind, exp(-strain / 2 COMFORT^2), normalised; alike where
         one has not yet been tried."""
         tried = self.tried[kind]
         if not tried.all():

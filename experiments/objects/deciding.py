@@ -9,6 +9,7 @@ from babbling.play import HANDS, Play
 from experiments.objects.showing import Seen
 from experiments.shared.children import Child
 from experiments.shared.playing import Tried, at_table
+from imitation.acting.aiming import aims
 from imitation.deferred import ActMemory
 from imitation.inference.bayes import Posterior
 from imitation.inference.inverse import BayesianInverse, Term
@@ -101,7 +102,7 @@ def respond(
         aim = np.where(goals[going] == UNSEEN, play.practised(kind)[chosen], goals[going])
         body = at_table(toy, len(going), busy=hands == HANDS.index("busy"))
         body.set_out(IMITATORS + first + act * count)
-        tried = player.tries(body, chosen, play.aim(kind, chosen, aim)[0], rng, keep=keep)
+        tried = player.tries(body, chosen, aims(play, kind, chosen, aim, "mean", rng), rng, keep=keep)
         came = TOYS[toy].state(tried.true)
         primitives[going, act], states[going, act] = chosen, came
         tries.append(tried)

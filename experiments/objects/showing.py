@@ -9,6 +9,7 @@ from babbling.axes import BoolArray, FloatArray, IntArray
 from experiments.errors import ExperimentError
 from experiments.shared.children import Child
 from experiments.shared.playing import LOOKED_AT, SEEING_M, Tried, at_table
+from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 from models.objects.states import STATES
@@ -69,13 +70,13 @@ def demonstrated(
     """
     primitive, tries = NAMES.index(act), max(2 * count, 16)
     play, rng = teacher.play, np.random.default_rng([seed, 0x7EAC])
-    kind = play.kinds.index(TOYS[toy].kind) if TOYS[toy].kind in play.kinds else -1
+    kind = play.kinds.index(TOYS[toy].kind)
     body = at_table(toy, tries, table=table, robot=teacher.robot)
     body.set_out(TEACHERS + 1000 * seed)
     which = np.full(tries, primitive)
     goal = np.full(tries, -1 if state is None else STATES.index(state))
-    aims = play.aim(max(kind, 0), which, goal if kind >= 0 else np.full(tries, -1))[0]
-    tried = teacher.player.tries(body, which, aims, rng, keep=keep)
+    where = aims(play, kind, which, goal, "mean", rng)
+    tried = teacher.player.tries(body, which, where, rng, keep=keep)
     came = TOYS[toy].state(tried.true)
     rows = np.arange(tries) if state is None else np.flatnonzero(came == STATES.index(state))
     if not len(rows):

@@ -15,6 +15,7 @@ from experiments.shared.children import Child, born
 from experiments.shared.judging import calibration_error
 from experiments.shared.playing import SEEING_M, at_table
 from experiments.shared.rounds import PLAYED, empty, play_on
+from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
 from imitation.seeing.acts import likelihood
 from models.objects import TOYS
@@ -91,7 +92,7 @@ def did(task: Task, toy: str, which: IntArray, goals: IntArray, first: int, play
     body = at_table(toy, len(which))
     body.set_out(first)
     rng = np.random.default_rng([task.seed, task.number, first])
-    tried = task.child.player.tries(body, which, play.aim(kind, which, goals)[0], rng)
+    tried = task.child.player.tries(body, which, aims(play, kind, which, goals, "mean", rng), rng)
     return TOYS[toy].state(tried.true)
 
 
@@ -109,10 +110,11 @@ def apart(task: Task) -> dict[str, Any]:
     body.set_out(specimens(task, 9))
     rng = np.random.default_rng([task.seed, task.number, 9])
     play, which = task.child.play, np.full(count, NAMES.index("pull"))
-    aims = play.aim(play.kinds.index("dumbbell"), which, np.full(count, STATES.index("apart")))[0]
-    aims[:, 4] = rng.uniform(0.1, 1, count)
-    tried = task.child.player.tries(body, which, aims, rng)
-    ratio = aims[:, 4] * body.grip_n / body.stiction
+    goals = np.full(count, STATES.index("apart"))
+    where = aims(play, play.kinds.index("dumbbell"), which, goals, "mean", rng)
+    where[:, 4] = rng.uniform(0.1, 1, count)
+    tried = task.child.player.tries(body, which, where, rng)
+    ratio = where[:, 4] * body.grip_n / body.stiction
     parted = TOYS["dumbbell"].state(tried.true) == STATES.index("apart")
     return {"creep_mm_per_s": creep, "below": parted[ratio < 1], "above": parted[ratio > 1.5]}
 
@@ -132,7 +134,8 @@ def tables(task: Task) -> dict[str, Any]:
         body.set_out(specimens(task, 10 + number))
         which = np.arange(count) % len(NAMES)
         rng = np.random.default_rng([task.seed, task.number, 10 + number])
-        tried = task.child.player.tries(body, which, play.aim(kind, which, play.practised(kind)[which])[0], rng)
+        where = aims(play, kind, which, play.practised(kind)[which], "mean", rng)
+        tried = task.child.player.tries(body, which, where, rng)
         came = TOYS[toy].state(tried.seen)
         cell = np.stack([np.full(count, kind), np.full(count, int(bool(hands))), which, came])
         taught = np.arange(count) < len(NAMES) * CELL

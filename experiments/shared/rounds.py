@@ -9,9 +9,10 @@ from babbling.body_image import BodyImage, learn_image
 from babbling.mind import Mind
 from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
-from babbling.play import HANDS, MIDDLE, SPREAD, Play
+from babbling.play import HANDS, Play
 from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import LOOKED_AT, SEATED, Player, at_table
+from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
 from imitation.seeing.acts import described
 from models.errors import BodyError, unknown
@@ -29,10 +30,6 @@ PLAYED = ("dumbbell", "outsized", "panel", "panel:busy", "box", "loop", "cup")
 """What is played with; `busy`: while one's hands are bound."""
 LEARNING = 0.5
 """Share of the rounds after which nothing but one's skill is practised; before, ever less is tried out."""
-COUNTED = 1 / 3
-"""Share of the rounds after which what one does as well as one can is counted in the tables."""
-CAREFUL = 0.3
-"""Practised aims vary by so many of their own standard deviations."""
 SPECIMENS = 1_000_000
 """Specimens from here on are played with; those that an experiment judges by come before."""
 
@@ -102,23 +99,16 @@ def played(task: Task) -> Play:
     else:
         which = (rng.permutation(COPIES) + task.round * COPIES) % len(NAMES)
     new = rng.random(COPIES) < 1 - task.round / (LEARNING * task.rounds)
-    mean, spread = play.aim(kind, which, states[which])
-    aims = np.where(
-        new[:, None],
-        MIDDLE + SPREAD * rng.uniform(-1.5, 1.5, mean.shape),
-        mean + CAREFUL * spread * rng.standard_normal(mean.shape),
-    )
-    tried = Player(task.mind, task.image).tries(body, which, aims, rng)
-    skilled = ~new & (task.round >= COUNTED * task.rounds)
+    where = aims(play, kind, which, np.where(new, -1, states[which]), "matching", rng)
+    tried = Player(task.mind, task.image).tries(body, which, where, rng)
     return play.nothing().after(
         kind,
         HANDS.index(hands),
         which,
         TOYS[toy].state(tried.seen),
-        aims,
+        where,
         described(tried.tracks),
         tried.strain(task.image.rest),
-        skilled,
         tried.minutes,
     )
 
