@@ -38,7 +38,7 @@ def layout(done: Done) -> rrb.Horizontal:
     taken = rrb.BarChartView(name="P(primitive | movement seen)", origin="/recognised")
     tables = rrb.Spatial2DView(name="P(state | primitive), states across, primitives down", origin="/tables")
     return views.beside(
-        views.world("imitator, and teacher behind", (1.05, -0.75, 0.75), (0.08, 0.25, 0.2)),
+        views.world("imitator, and teacher behind", (0.95, -0.35, 0.6), (0.06, 0.22, 0.24)),
         rrb.StateTimelineView(name="the imitator's object", origin="/object"),
         rrb.TimeSeriesView(name="touch [N]", origin="/touch"),
         rrb.TimeSeriesView(name="grip, at most [N]", origin="/grip"),
@@ -46,7 +46,7 @@ def layout(done: Done) -> rrb.Horizontal:
         rrb.Tabs(
             tables, rrb.TimeSeriesView(name="where its parts are, above the table [m]", origin="/height"), active_tab=0
         ),
-        row_shares=[0.7, 1, 0.8, 1, 1.2],
+        row_shares=[1.1, 0.9, 0.7, 0.9, 1.2],
         stage_share=2.2,
     )
 

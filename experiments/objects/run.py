@@ -70,7 +70,8 @@ def run(config: Config) -> Result:
         ("what it is after", done.goal),
         *((f"act {n}", f"{name}: {state}") for n, (name, state) in enumerate(done.acts, 1)),
     ]
-    summary = f"# An act on the {config.object}\n\n" + table(rows)
+    numbered = ", ".join(f"{n} {name}" for n, name in enumerate(NAMES))
+    summary = f"# An act on the {config.object}\n\n{table(rows)}\n\nPrimitives: {numbered}."
     return Result(done.metrics, summary, figures(done), lambda path: record(path, done, summary))
 
 

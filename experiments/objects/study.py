@@ -1,6 +1,6 @@
 """Every figure of acts on objects, over agents and independent plays: what `--study` measures, task by task."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
