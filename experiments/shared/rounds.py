@@ -30,6 +30,8 @@ PLAYED = ("dumbbell", "outsized", "panel", "panel:busy", "box", "loop", "cup")
 """What is played with; `busy`: while one's hands are bound."""
 LEARNING = 0.5
 """Share of the rounds after which nothing but one's skill is practised; before, ever less is tried out."""
+ENOUGH = 3
+"""Times that everything is tried with every kind before one does what is comfortable."""
 SPECIMENS = 1_000_000
 """Specimens from here on are played with; those that an experiment judges by come before."""
 
@@ -94,10 +96,9 @@ def played(task: Task) -> Play:
     kind, states = play.kinds.index(TOYS[toy].kind), play.practised(play.kinds.index(TOYS[toy].kind))
     body = at_table(toy, COPIES, busy=hands == HANDS[1])
     body.set_out(SPECIMENS + 10_000 * task.seed + (task.round * 100 + task.number) * COPIES)
-    if play.tried[kind].all():
-        which = rng.choice(len(NAMES), COPIES, p=play.comfort(kind))
-    else:
-        which = (rng.permutation(COPIES) + task.round * COPIES) % len(NAMES)
+    which = rng.choice(len(NAMES), COPIES, p=play.comfort(kind))
+    todo = np.repeat(np.arange(len(NAMES)), np.maximum(ENOUGH - play.tried[kind], 0))
+    which[: len(todo)] = rng.permutation(todo)[:COPIES]
     new = rng.random(COPIES) < 1 - task.round / (LEARNING * task.rounds)
     where = aims(play, kind, which, np.where(new, -1, states[which]), "matching", rng)
     tried = Player(task.mind, task.image).tries(body, which, where, rng)

@@ -125,11 +125,16 @@ def _library(view: LimbView, wanted: FloatArray, weights: FloatArray) -> tuple[F
 
 
 def refined(
-    view: View, wanted: FloatArray, weights: FloatArray, start: FloatArray, rows: IntArray
+    view: View,
+    wanted: FloatArray,
+    weights: FloatArray,
+    start: FloatArray,
+    rows: IntArray,
+    stiff: float = STIFF,
 ) -> tuple[FloatArray, FloatArray]:
     """Damped Gauss-Newton from (N, n) postures for frames `rows`: optimum inside the range, and its cost (N,).
 
-    Cost: sum_s w_s |direction_s - wanted_s|^2 + STIFF |angles - rest|^2. A sense that leans on the end of its range is
+    Cost: sum_s w_s |direction_s - wanted_s|^2 + stiff |angles - rest|^2. A sense that leans on the end of its range is
     held there for the step (projected Newton; Bertsekas 1982).
     """
     angles, size = start.copy(), start.shape[1]
@@ -137,7 +142,7 @@ def refined(
     def cost_of(trial: FloatArray, which: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         shown, slope = view.directions(trial, rows[which])
         miss = shown - wanted[rows[which]]
-        cost = (weights[rows[which]] * (miss**2).sum(-1)).sum(-1) + STIFF * ((trial - view.rest) ** 2).sum(1)
+        cost = (weights[rows[which]] * (miss**2).sum(-1)).sum(-1) + stiff * ((trial - view.rest) ** 2).sum(1)
         return cost, miss, slope
 
     active = np.arange(len(angles))
@@ -150,12 +155,12 @@ def refined(
         weighted = (slope[active] * weights[rows[active]][:, :, None, None]).reshape(len(active), -1, size)
         flat = slope[active].reshape(len(active), -1, size)
         gradient = (weighted.swapaxes(1, 2) @ miss[active].reshape(len(active), -1, 1))[..., 0]
-        gradient += STIFF * (here - view.rest)
+        gradient += stiff * (here - view.rest)
         held = ((here <= view.low) & (gradient > 0)) | ((here >= view.high) & (gradient < 0))
         matrix = weighted.swapaxes(1, 2) @ flat
         matrix = np.where(held[:, :, None] | held[:, None, :], 0.0, matrix)
         diagonal = np.einsum("nii->ni", matrix)
-        lift = damping[active, None] * (diagonal + 1e-2 * diagonal.max(1, keepdims=True)) + STIFF + held
+        lift = damping[active, None] * (diagonal + 1e-2 * diagonal.max(1, keepdims=True)) + stiff + held
         step = np.linalg.solve(matrix + lift[:, :, None] * np.eye(size), np.where(held, 0, gradient)[..., None])
         trial = np.clip(here - step[..., 0], view.low, view.high)
         found = cost_of(trial, active)
