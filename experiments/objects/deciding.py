@@ -75,6 +75,7 @@ def decide(play: Play, kind: int, hands: int, goals: IntArray, selection: str) -
 def respond(
     child: Child, toy: str, goals: IntArray, acts: int, selection: str, rng: np.random.Generator, *, first: int = 0,
     hands: int = 0, keep: bool = False,
+    otherwise: FloatArray | None = None,
 ) -> Response:  # fmt: skip
     """N imitators with the same play act, each on a specimen of its own, until their goal is reached or time is up.
 
@@ -88,17 +89,19 @@ def respond(
         first: number of the first specimen.
         hands: whether they are free (0) or bound (1).
         keep: see `Player.tries`.
+        otherwise: (N, A) what a peer draws from, instead of Eq. (1).
     """
     play, count = child.play, len(goals)
     kind = play.kinds.index(TOYS[toy].kind)
     posterior, inverse = decide(play, kind, hands, goals, selection)
+    weights = posterior.probability if otherwise is None else otherwise
     primitives, states = np.full((count, acts), -1), np.full((count, acts), -1)
     going, tries, who = np.arange(count), list[Tried](), list[IntArray]()
     player = child.player
     for act in range(acts):
         if not len(going):
             break
-        chosen = inverse.rule(posterior.probability[going, None], play.outcomes.action, rng)[:, 0].astype(int)
+        chosen = inverse.rule(weights[going, None], play.outcomes.action, rng)[:, 0].astype(int)
         aim = np.where(goals[going] == UNSEEN, play.practised(kind)[chosen], goals[going])
         body = at_table(toy, len(going), busy=hands == HANDS.index("busy"))
         body.set_out(IMITATORS + first + act * count)
@@ -108,4 +111,4 @@ def respond(
         tries.append(tried)
         who.append(going)
         going = going[came != goals[going]]
-    return Response(goals, primitives, states, posterior.probability, tries, who)
+    return Response(goals, primitives, states, weights, tries, who)

@@ -12,7 +12,7 @@ from experiments.objects.figures import figures, study_figures
 from experiments.objects.found import Done, Studied
 from experiments.objects.options import Config
 from experiments.objects.recording import record
-from experiments.objects.showing import demonstrated, watched
+from experiments.objects.showing import ROOM_TABLE_M, demonstrated, watched
 from experiments.objects.study import HEADS, Task, measured, peer
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born, meet
@@ -28,7 +28,6 @@ from models.objects.states import STATES
 
 QUICK_MINUTES = 64.0
 """Body-minutes of play, where none was saved."""
-ROOM_TABLE_M = 0.22
 
 
 def run(config: Config) -> Result:
@@ -91,8 +90,12 @@ def study(config: Config) -> Result:
     plays = [meet(path) for path in config.plays] or [who(config)]
     each = ceil(config.agents / len(plays))
     parts = ("tables", "success", "new", "apart", *HEADS)
-    one = Task("", plays[0], 0, each, config.acts, config.selection, config.seed)
-    tasks = [replace(one, part=part, child=child, number=n) for part in parts for n, child in enumerate(plays)]
+    one = Task("", plays[0], plays[0], 0, each, config.acts, config.selection, config.seed)
+    tasks = [
+        replace(one, part=part, child=child, teacher=plays[(n + 1) % len(plays)], number=n)
+        for part in parts
+        for n, child in enumerate(plays)
+    ]
     studied = Studied(config, plays, in_parallel(measured, tasks, config.workers, "studying acts on objects"))
     metrics = studied.metrics
     rows = [

@@ -20,8 +20,8 @@ SCREEN_PX, FOCAL_PX = 0.5, 300.0
 """Pixels of noise on a screen, and its camera's focal length."""
 CAMERA_M = (0.75, 0.35, 0.35)
 """m from the middle to a television camera."""
-ROOM_TABLE_M = 0.02
-"""m by which the table of another room is higher."""
+ROOM_TABLE_M = 0.22
+"""m, height of the table in another room."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Every figure of acts on objects, over agents and independent plays: what `--study` measures, task by task."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from babbling.axes import FloatArray, IntArray
 from babbling.forward_model import ForwardModel
 from babbling.play import Play
 from experiments.objects.deciding import UNSEEN, decide, remembered, respond
-from experiments.objects.showing import demonstrated, watched
+from experiments.objects.showing import ROOM_TABLE_M, demonstrated, watched
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born
 from experiments.shared.judging import calibration_error
@@ -17,9 +17,11 @@ from experiments.shared.playing import SEEING_M, at_table
 from experiments.shared.rounds import PLAYED, empty, play_on
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
+from imitation.deferred import ActMemory
+from imitation.inference.bayes import action_posterior
 from imitation.seeing.acts import likelihood
 from models.objects import TOYS
-from models.objects.states import LIT_BY_HEAD, STATES
+from models.objects.states import LIT_BY_HAND, LIT_BY_HEAD, STATES
 
 SUCCESS = (
     ("lift", "cup", "lift", "up"),
@@ -39,7 +41,8 @@ NEW = {"wide_dumbbell": "apart", "square": "joined"}
 OWN_ROUNDS = 6
 """Rounds of play with those two, for comparison."""
 PEER_MINUTES = 3.0
-HEADS = ("live", "week", "room", "television", "peer", "none", "handled")
+HEADS = ("live", "week", "room", "television", "peer", "none", "handled", "mimic", "emulate")
+"""Conditions; the last two are peers, who do the movement that was seen, or bring the light about."""
 JUDGED = 7_000_000
 """Specimens from here on judge."""
 
@@ -50,6 +53,8 @@ class Task:
 
     part: str
     child: Child
+    teacher: Child
+    """Who shows it: another, where there are several."""
     number: int
     """Of the play."""
     agents: int
@@ -179,34 +184,38 @@ def new(task: Task) -> dict[str, Any]:
 
 
 def head(task: Task) -> dict[str, Any]:
-    """(N,) whether agents touch the panel with the forehead, after seeing it done in one way or another."""
+    """(N,) whether agents touch the panel with the forehead, after seeing it done in one way or another; and peers."""
     child, count, condition = task.child, task.agents, task.part
-    rng = np.random.default_rng([task.seed, task.number, HEADS.index(task.part)])
-    first = specimens(task, 30 + HEADS.index(task.part)) - JUDGED
-    if condition == "none":
-        goals, recognised = np.full(count, UNSEEN), np.zeros(0, bool)
-    else:
+    play, rng = child.play, np.random.default_rng([task.seed, task.number, HEADS.index(condition)])
+    first, goals, otherwise = specimens(task, 30 + HEADS.index(condition)) - JUDGED, np.full(count, UNSEEN), None
+    recognised = np.zeros(0, bool)
+    if condition != "none":
         memories, shown = remembered_head(task, rng)
         goals = np.array([memory.states[-1] for memory in memories])
-        likely = np.array([memory.primitive.argmax() for memory in memories])
-        recognised = likely == shown
+        recognised = np.array([memory.primitive.argmax() for memory in memories]) == shown
         if condition == "week":
             response = a_week_later(child, memories, "panel", task.acts, task.selection, task.seed, first)
             return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
-    response = respond(child, "panel", goals, task.acts, task.selection, rng, first=first)
+        if condition == "mimic":  # does what was seen
+            otherwise = np.stack([memory.primitive for memory in memories])
+        if condition == "emulate":  # brings about what was seen, the light, by whatever means
+            kind, goals = play.kinds.index(TOYS["panel"].kind), np.full(count, LIT_BY_HAND)
+            lights = play.outcomes.predictive[0, kind, 0][:, [LIT_BY_HAND, LIT_BY_HEAD]].sum(1)
+            one = action_posterior(lights, play.outcomes.habits[0, kind, 0]).probability
+            otherwise = np.tile(one, (count, 1))
+    response = respond(child, "panel", goals, task.acts, task.selection, rng, first=first, otherwise=otherwise)
     return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
 
 
-def remembered_head(task: Task, rng: np.random.Generator) -> Any:
-    """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel."""
-    child, condition, seed = task.child, task.part, 1000 + 10 * task.number + task.seed
-    if condition == "handled":
-        act = demonstrated(child, "panel", "lift with both", None, task.agents, seed)
-        return remembered(child.play, "panel", watched(act, "live", rng)), NAMES.index("lift with both")
-    teacher = child if condition != "peer" else peer(seed, child)
-    table = None if condition != "room" else 0.22
-    act = demonstrated(teacher, "panel", "press with the head", "lit by head", task.agents, seed, table=table)
-    return remembered(child.play, "panel", watched(act, condition, rng)), NAMES.index("press with the head")
+def remembered_head(task: Task, rng: np.random.Generator) -> tuple[list[ActMemory], int]:
+    """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel; and what it was."""
+    condition, seed = task.part, 1000 + 10 * task.number + task.seed
+    view = condition if condition in ("room", "television") else "live"
+    act = "lift with both" if condition == "handled" else "press with the head"
+    teacher = peer(seed, task.child) if condition == "peer" else task.teacher
+    state, table = None if condition == "handled" else "lit by head", ROOM_TABLE_M if condition == "room" else None
+    shown = demonstrated(teacher, "panel", act, state, task.agents, seed, table=table)
+    return remembered(task.child.play, "panel", watched(shown, view, rng)), NAMES.index(act)
 
 
 def peer(seed: int, like: Child) -> Child:

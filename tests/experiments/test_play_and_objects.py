@@ -18,8 +18,8 @@ from experiments.objects.deciding import UNSEEN, decide, remembered, respond
 from experiments.objects.found import Studied
 from experiments.objects.options import Config
 from experiments.objects.showing import demonstrated, watched
-from experiments.play.run import command
 from experiments.play.options import Config as Playing
+from experiments.play.run import command
 from experiments.shared.children import Child, beside, keep, meet
 from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.rounds import play_on, round_minutes
@@ -158,13 +158,16 @@ def test_the_study_measures_what_it_says(child: Child, hurried: None, monkeypatc
     monkeypatch.setattr(study, "PLAYED", ("panel",))
     monkeypatch.setattr(study, "CELL", 2)
     monkeypatch.setattr(study, "TEST", 1)
-    task = study.Task("", child, 0, 3, 1, "map", 0)
-    parts = [study.measured(study.replace(task, part=part)) for part in ("success", "tables", "live", "none")]
+    task = study.Task("", child, child, 0, 3, 1, "map", 0)
+    parts = [
+        study.measured(study.replace(task, part=part))
+        for part in ("success", "tables", "live", "none", "mimic", "emulate")
+    ]
     parts.append({"new": {"square": {"first": np.ones(4, bool), "own": np.ones(4, bool)}}, "creep_mm_per_s": 0.1})
     parts[-1] |= {"below": np.zeros(3, bool), "above": np.ones(5, bool)}
     found = Studied(Config(), [child], parts).metrics
     assert found["primitive_success"]["head"] > 0.6 and found["head_touch"]["live"] >= 2 / 3
-    assert found["head_touch"]["none"] <= 2 / 3
+    assert found["head_touch"]["none"] <= 2 / 3 and found["head_touch"]["emulate"] == 0
     assert found["new_object_ratio"] == 1 and found["apart_rate_above"] == 1 and found["apart_rate_below"] == 0
     assert found["outcome_gain_bits"] > 0
     low, high = found["head_touch_interval"]["live"]
