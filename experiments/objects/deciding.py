@@ -75,7 +75,7 @@ def decide(play: Play, kind: int, hands: int, goals: IntArray, selection: str) -
 def respond(
     child: Child, toy: str, goals: IntArray, acts: int, selection: str, rng: np.random.Generator, *, first: int = 0,
     hands: int = 0, keep: bool = False,
-    otherwise: FloatArray | None = None,
+    otherwise: FloatArray | None = None, further: float = 0.0,
 ) -> Response:  # fmt: skip
     """N imitators with the same play act, each on a specimen of its own, until their goal is reached or time is up.
 
@@ -89,6 +89,7 @@ def respond(
         first: number of the first specimen.
         hands: whether they are free (0) or bound (1).
         keep: see `Player.tries`.
+        further: see `PlayBody`.
         otherwise: (N, A) what a peer draws from, instead of Eq. (1).
     """
     play, count = child.play, len(goals)
@@ -103,7 +104,7 @@ def respond(
             break
         chosen = inverse.rule(weights[going, None], play.outcomes.action, rng)[:, 0].astype(int)
         aim = np.where(goals[going] == UNSEEN, play.practised(kind)[chosen], goals[going])
-        body = at_table(toy, len(going), busy=hands == HANDS.index("busy"))
+        body = at_table(toy, len(going), busy=hands == HANDS.index("busy"), further=further)
         body.set_out(IMITATORS + first + act * count)
         tried = player.tries(body, chosen, aims(play, kind, chosen, aim, "mean", rng), rng, keep=keep)
         came = TOYS[toy].state(tried.true)

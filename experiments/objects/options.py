@@ -38,6 +38,8 @@ class Config(Options):
     handled."""
     play: ToRead | None = None
     """What the imitator learned in play (`imitate play`); without one it plays for 64 body-minutes first."""
+    further_m: Annotated[float, within(-0.05, 0.5, "m")] = 0.0
+    """How much further away the object stands than usual, m."""
     acts: Annotated[int, within(1, 20)] = 3
     """Acts that there is time for."""
     selection: Selection = "matching"

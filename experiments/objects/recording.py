@@ -54,7 +54,7 @@ def layout(done: Done) -> rrb.Horizontal:
 def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
     """All its acts, one after the other."""
     tries, toy = done.response.tried, done.config.object
-    body = at_table(toy, 1)
+    body = at_table(toy, 1, further=done.config.further_m)
     whole = np.concatenate([tried.configurations[:, 0] for tried in tries])
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
@@ -95,7 +95,7 @@ def became(tried: Tried, toy: str) -> list[str]:
 def _log_teacher(stream: rr.RecordingStream, done: Done) -> None:
     assert done.act is not None
     row = int(done.act.rows[0])
-    shown = at_table(done.config.object, 1, robot=done.act.robot, table=done.act.table)
+    shown = at_table(done.config.object, 1, robot=done.act.robot, table=done.act.table, further=done.config.further_m)
     moved = done.act.tried.configurations[:, row]
     offset = (0.0, BESIDE, 0.0)
     log_body(stream, "world/teacher", parts(shown.model, moved), TICK_S, offset=offset, tint=DEMONSTRATED)

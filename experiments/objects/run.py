@@ -21,7 +21,7 @@ from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.progress import progress
 from experiments.shared.rounds import PLAYED, empty, play_on, round_minutes
-from experiments.shared.tables import table
+from experiments.shared.tables import table as markdown
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 from models.objects.states import STATES
@@ -42,26 +42,24 @@ def run(config: Config) -> Result:
             f"--object {config.object}: {kind} was never played with, only {', '.join(child.play.kinds)}; "
             "play with it first"
         )
-    rng = np.random.default_rng([config.seed, 0x0B])
+    rng, far = np.random.default_rng([config.seed, 0x0B]), config.further_m
     act = seen = memory = None
-    if config.condition == "none":
-        response = respond(child, config.object, np.array([UNSEEN]), config.acts, config.selection, rng, keep=True)
-    else:
+    if config.condition != "none":
         doing = "lift with both" if config.condition == "handled" else config.act
         teacher = peer(config.seed + 1, child) if config.condition == "peer" else child
         goal = int(child.play.practised(child.play.kinds.index(kind))[NAMES.index(doing)])
         state = None if goal < 0 or config.condition == "handled" else STATES[goal]
-        higher = ROOM_TABLE_M if config.condition == "room" else None
-        act = demonstrated(teacher, config.object, doing, state, 1, config.seed, table=higher, keep=True)
+        table = ROOM_TABLE_M if config.condition == "room" else None
+        act = demonstrated(teacher, config.object, doing, state, 1, config.seed, table=table, further=far, keep=True)
         seen = watched(act, config.condition, rng)
         [memory] = remembered(child.play, config.object, seen)
-        if config.condition == "week":
-            response = a_week_later(
-                child, [memory], config.object, config.acts, config.selection, config.seed, 0, keep_all=True
-            )
-        else:
-            goals = memory.states[-1:]
-            response = respond(child, config.object, goals, config.acts, config.selection, rng, keep=True)
+    how = config.object, config.acts, config.selection
+    if config.condition == "week" and memory is not None:
+        response = a_week_later(child, [memory], *how, config.seed, 0, keep_all=True, further=far)
+    else:
+        toy, acts, selection = how
+        goals = np.array([UNSEEN]) if memory is None else memory.states[-1:]
+        response = respond(child, toy, goals, acts, selection, rng, keep=True, further=far)
     done = Done(config, child, act, seen, memory, response)
     rows = [
         ("what was seen", "nothing" if memory is None else f"{config.act} ({config.condition})"),
@@ -70,7 +68,7 @@ def run(config: Config) -> Result:
         *((f"act {n}", f"{name}: {state}") for n, (name, state) in enumerate(done.acts, 1)),
     ]
     numbered = ", ".join(f"{n} {name}" for n, name in enumerate(NAMES))
-    summary = f"# An act on the {config.object}\n\n{table(rows)}\n\nPrimitives: {numbered}."
+    summary = f"# An act on the {config.object}\n\n{markdown(rows)}\n\nPrimitives: {numbered}."
     return Result(done.metrics, summary, figures(done), lambda path: record(path, done, summary))
 
 
@@ -111,7 +109,7 @@ def study(config: Config) -> Result:
         ("new object, first try / after own play", f"{metrics['new_object_ratio']:.2f}"),
         *((f"head touch, {name}", percent(metrics, "head_touch", name)) for name in metrics["head_touch"]),
     ]
-    return Result(metrics, "# Acts on objects\n\n" + table(rows), study_figures(studied))
+    return Result(metrics, "# Acts on objects\n\n" + markdown(rows), study_figures(studied))
 
 
 def percent(metrics: dict[str, Any], key: str, name: str) -> str:

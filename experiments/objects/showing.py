@@ -16,6 +16,8 @@ from models.objects.states import STATES
 
 TEACHERS = 5_000_000
 """Specimens from here on are those that teachers handle."""
+OUT_OF_REACH_M = 0.03
+"""m that an act may miss by, by the teacher's own image of its body."""
 SCREEN_PX, FOCAL_PX = 0.5, 300.0
 """Pixels of noise on a screen, and its camera's focal length."""
 CAMERA_M = (0.75, 0.35, 0.35)
@@ -61,23 +63,28 @@ def demonstrated(
     seed: int,
     *,
     table: float | None = None,
+    further: float = 0.0,
     keep: bool = False,
 ) -> Act:
     """`count` acts of a teacher who can do it, ending in a state (None: whatever comes of it).
 
     Raises:
-        ExperimentError: what the teacher does hardly ever ends so.
+        ExperimentError: the object is out of reach, or what the teacher does never ends so.
     """
     primitive, tries = NAMES.index(act), max(2 * count, 16)
     play, rng = teacher.play, np.random.default_rng([seed, 0x7EAC])
     kind = play.kinds.index(TOYS[toy].kind)
-    body = at_table(toy, tries, table=table, robot=teacher.robot)
+    body = at_table(toy, tries, table=table, robot=teacher.robot, further=further)
     body.set_out(TEACHERS + 1000 * seed)
     which = np.full(tries, primitive)
     goal = np.full(tries, -1 if state is None else STATES.index(state))
     where = aims(play, kind, which, goal, "mean", rng)
     tried = teacher.player.tries(body, which, where, rng, keep=keep)
-    came = TOYS[toy].state(tried.true)
+    came, short = TOYS[toy].state(tried.true), float(np.median(tried.missed))
+    if short > OUT_OF_REACH_M:
+        raise ExperimentError(
+            f"the {toy} is out of reach for {act!r}: by {100 * short:.0f} cm; bring it nearer, or choose another act"
+        )
     rows = np.arange(tries) if state is None else np.flatnonzero(came == STATES.index(state))
     if not len(rows):
         found = ", ".join(sorted({STATES[one] for one in came}))

@@ -21,16 +21,18 @@ def a_week_later(
     selection: str,
     seed: int,
     first: int,
+    *,
     keep_all: bool = False,
+    further: float = 0.0,
 ) -> Response:
-    """What N do who remember: a new process reads play and memories, and acts."""
+    """What N do who remember: a new process reads play and memories, and acts (see `respond`)."""
     files = {"play.nc": partial(keep, child)}
     files |= {f"memory{n}.nc": partial(save, memory) for n, memory in enumerate(memories)}
-    return in_new_process(recalled, files, len(memories), toy, acts, selection, seed, first, keep_all)
+    return in_new_process(recalled, files, len(memories), toy, acts, selection, seed, first, keep_all, further)
 
 
 def recalled(
-    folder: Path, count: int, toy: str, acts: int, selection: str, seed: int, first: int, keep_all: bool = False
+    folder: Path, count: int, toy: str, acts: int, selection: str, seed: int, first: int, keep_all: bool, further: float
 ) -> Response:
     """What those who remember do."""
     child = meet(folder / "play.nc")
@@ -39,4 +41,4 @@ def recalled(
         memory.check(child.play.fingerprint)
     goals = np.array([memory.states[-1] for memory in memories])
     rng = np.random.default_rng([seed, first])
-    return respond(child, toy, goals, acts, selection, rng, first=first, keep=keep_all)
+    return respond(child, toy, goals, acts, selection, rng, first=first, keep=keep_all, further=further)

@@ -55,6 +55,7 @@ class PlayBody(SimulatedBody):
         toy: with what; None for an empty table.
         busy: whether its palms are bound to its chest.
         table: m, height of the table's top where it is not the usual one.
+        further: m that the object stands further away than usual.
         specimens: how copies differ.
         how: see `SimulatedBody`.
 
@@ -70,6 +71,7 @@ class PlayBody(SimulatedBody):
         *,
         busy: bool = False,
         table: float | None = None,
+        further: float = 0.0,
         specimens: Specimens = Specimens(),
         **how: Any,
     ) -> None:
@@ -77,6 +79,7 @@ class PlayBody(SimulatedBody):
         self.table = seat.table * robot.size if table is None else table
         """m, height of its top."""
         self.seat, self.toy, self.busy, self._specimens = seat, toy, busy, specimens
+        self._further = further
         self._points: FloatArray | None = None
         super().__init__(model, sensors=tuple(f"{part}_touch" for part in seat.parts), **how)
         sites = [*seat.parts, *([f"{PREFIX}a", f"{PREFIX}b"] if toy else [])]
@@ -192,4 +195,4 @@ class PlayBody(SimulatedBody):
         turn, spun, place = np.array([np.cos(draw[2] / 2), 0, 0, np.sin(draw[2] / 2)]), np.empty(4), np.empty(3)
         mujoco.mju_mulQuat(spun, turn, quat)
         mujoco.mju_rotVecQuat(place, born - about, turn)
-        return about + place + (draw[0], draw[1], 0.0), spun
+        return about + place + (draw[0] + self._further, draw[1], 0.0), spun

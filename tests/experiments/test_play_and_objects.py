@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -142,6 +143,7 @@ def test_what_cannot_be_is_one_line(child: Child, tmp_path: Path, capsys: pytest
         (["objects", "--object", "cup", "--play", str(tmp_path / "play.nc")], "never played with"),
         (["objects", "--plays", str(tmp_path / "play.nc")], "for --study"),
         (["objects", "--selection", "mean"], "no mean"),
+        (["objects", "--further-m", "0.3", "--play", str(tmp_path / "play.nc")], "out of reach"),
         (["play", "--minutes", "0"], "more than 0"),
         (["play", "--things", "panel:tired"], "there are busy, free"),
         (["play", "--merge", str(tmp_path / "play.nc")], "two or more"),
@@ -159,10 +161,8 @@ def test_the_study_measures_what_it_says(child: Child, hurried: None, monkeypatc
     monkeypatch.setattr(study, "CELL", 2)
     monkeypatch.setattr(study, "TEST", 1)
     task = study.Task("", child, child, 0, 3, 1, "map", 0)
-    parts = [
-        study.measured(study.replace(task, part=part))
-        for part in ("success", "tables", "live", "none", "mimic", "emulate")
-    ]
+    names = ("success", "tables", "live", "none", "mimic", "emulate")
+    parts = [study.measured(replace(task, part=part)) for part in names]
     parts.append({"new": {"square": {"first": np.ones(4, bool), "own": np.ones(4, bool)}}, "creep_mm_per_s": 0.1})
     parts[-1] |= {"below": np.zeros(3, bool), "above": np.ones(5, bool)}
     found = Studied(Config(), [child], parts).metrics
