@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from imitation.acting.handling import MOST_SHIFT, again, movement, postures
 from imitation.acting.primitives import (
     ABOVE,
     ASIDE,
@@ -16,18 +17,14 @@ from imitation.acting.primitives import (
     HEAD,
     LEFT,
     LIFT,
-    LOOKS,
-    MOST_SHIFT,
+    LOOK_AGAIN,
     NAMES,
     RIGHT,
     TOUCH,
     WAYS_S,
     Plan,
     Thing,
-    again,
-    movement,
     plan,
-    postures,
 )
 from models.objects import TOYS
 from models.objects.scene import read
@@ -183,7 +180,7 @@ def test_nothing_that_stayed_as_it_was_meant_to_be_changes_a_plan(name: str) -> 
     seen, _, found, _ = of(name)
     here = found.places[TOUCH].copy()
     now = np.stack([seen.a, seen.b], 1)
-    np.testing.assert_allclose(again(found, seen, all_of(name, 12), here, now), found.places[LOOKS:], atol=1e-12)
+    np.testing.assert_allclose(again(found, seen, all_of(name, 12), here, now), found.places[LOOK_AGAIN:], atol=1e-12)
 
 
 def test_what_is_carried_ends_over_where_the_other_part_is_seen_now() -> None:
@@ -198,7 +195,7 @@ def test_what_is_carried_ends_over_where_the_other_part_is_seen_now() -> None:
     left = again(found, seen, all_of("carry", 12), palms, now)
     for way in (0, 1):
         np.testing.assert_allclose((left[way, rows, near] + hangs)[:, :2], now[:, 1, :2], atol=1e-12)
-        np.testing.assert_array_equal(left[way, rows, near, 2], found.places[LOOKS + way, rows, near, 2])
+        np.testing.assert_array_equal(left[way, rows, near, 2], found.places[LOOK_AGAIN + way, rows, near, 2])
     idle = left[:, rows, 1 - near]
     assert np.isnan(idle).all() and np.isnan(left[:, :, HEAD]).all()
 
@@ -209,7 +206,7 @@ def test_a_second_look_shifts_what_is_carried_alone_and_never_far(name: str) -> 
     before, gone = found.places.copy(), np.stack([seen.a, np.add(seen.b, (0.5, -0.5, 0.5))], 1)
     left = again(found, seen, all_of(name, 12), found.places[TOUCH], gone)
     np.testing.assert_array_equal(found.places, before)
-    change = (left - before[LOOKS:])[~np.isnan(left)].reshape(-1, 3)
+    change = (left - before[LOOK_AGAIN:])[~np.isnan(left)].reshape(-1, 3)
     bound = np.array([MOST_SHIFT, -MOST_SHIFT, 0]) if name in CARRIED else np.zeros(3)
     np.testing.assert_allclose(change, np.tile(bound, (len(change), 1)), atol=1e-12)
 

@@ -140,3 +140,18 @@ def test_palms_and_forehead_feel_what_touches_them_and_nothing_else(part: int) -
     felt = [now.sensor(f"{one}_touch").data[0] for one in seat.parts]
     assert felt[part] == pytest.approx(1.0, abs=0.05)
     assert sum(felt) == felt[part]
+
+
+def test_a_smaller_peer_is_as_heavy_and_shorter_in_every_direction() -> None:
+    small, whole = (load_body(name, threads=1).model for name in ("hoap2-seated-small", "hoap2-seated"))
+    np.testing.assert_array_equal(small.body_mass, whole.body_mass)
+    np.testing.assert_array_equal(small.jnt_range, whole.jnt_range)
+    rng, places = np.random.default_rng(0), []
+    angles = rng.uniform(*whole.jnt_range.T)
+    for model in (small, whole):
+        data = mujoco.MjData(model)
+        data.qpos[:] = angles
+        mujoco.mj_forward(model, data)
+        places.append([data.site_xpos, data.geom_xpos, data.xipos])
+    for ours, theirs in zip(*places, strict=True):
+        np.testing.assert_allclose(ours, facts.SMALL * theirs, atol=1e-9)
