@@ -39,7 +39,7 @@ from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import FIND_FACE
 from experiments.shared.eyes import EyeOptions, nursery, open_eyes
 from experiments.shared.minds import Interrupted
-from imitation.deferred import HeadMemory, StepMemory
+from imitation.deferred import ActMemory, HeadMemory, StepMemory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
@@ -307,6 +307,7 @@ FILES: dict[str, Callable[[Mind], object]] = {
         (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
     ),
     "play": lambda mind: played(0),
+    "act memory": lambda mind: ActMemory("b", "panel", np.array([0, 6]), np.array([0.2, 0.8])),
     "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
 }
 FOR_PEOPLE = ("_name", "_probability")
