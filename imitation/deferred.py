@@ -85,7 +85,7 @@ class ActMemory:
     """Fingerprint of the body in whose terms it is."""
     thing: str
     """What kind of thing it was."""
-    states: Annotated[IntArray, Numbers(".visit", low=0)]
+    states: Annotated[IntArray, Numbers("visit", low=0)]
     """(N,) s_1 .. s_N of the object, as numbers of one's own states."""
     primitive: Annotated[FloatArray, Numbers("primitive", low=0, high=1)]
     """(A,) P(primitive | movement)."""

@@ -39,7 +39,7 @@ from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import FIND_FACE
 from experiments.shared.eyes import EyeOptions, nursery, open_eyes
 from experiments.shared.minds import Interrupted
-from imitation.deferred import HeadMemory, StepMemory
+from imitation.deferred import ActMemory, HeadMemory, StepMemory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
@@ -56,9 +56,10 @@ from models.teachers.performing import perform
 from tests.babbling import soles
 from tests.babbling.creature import Creature, motors, schema
 from tests.babbling.test_looking import REACH, GeometricHead
+from tests.babbling.test_play import played
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml")})
+FOLDERS = sorted({path.parent for path in (ROOT / "models").rglob("*.xml") if path.name != "object.xml"})
 REGISTRIES: dict[str, tuple[Mapping[str, object], Callable[[str], object], type[Exception]]] = {
     "robot": (ROBOTS, load_body, BodyError),
     "demonstration": (DEMONSTRATIONS, perform, BodyError),
@@ -305,6 +306,8 @@ FILES: dict[str, Callable[[Mind], object]] = {
         counted_moves(),
         (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
     ),
+    "play": lambda mind: played(0),
+    "act memory": lambda mind: ActMemory("b", "panel", np.array([0, 6]), np.array([0.2, 0.8])),
     "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
 }
 FOR_PEOPLE = ("_name", "_probability")

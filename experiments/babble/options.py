@@ -14,7 +14,7 @@ class Config(BodyOptions):
     """Options of `imitate babble`."""
 
     robot: Robot = "hoap2"
-    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis), or the path of an MJCF with position actuators;
+    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF;
     biclops babbles with its eyes, as `imitate saccades` does, and leaves a folder."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling, over all copies."""

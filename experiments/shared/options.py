@@ -142,7 +142,8 @@ class BodyOptions(WiredOptions):
     """Which body, and what it feels like."""
 
     robot: Robot = "hoap2"
-    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis), or the path of an MJCF with position actuators."""
+    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF with position
+    actuators."""
     sensor_noise_deg: Annotated[float, within(0, 30, "degrees")] = 0.0
     """Standard deviation of every angle sense, degrees."""
 

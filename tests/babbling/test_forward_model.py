@@ -158,3 +158,44 @@ def test_what_nobody_tried_is_all_zero_and_says_so():
     model.observe([], np.array([[1]]), np.array([[2]]))
     assert model.visits.tolist() == [[0, 1, 0, 0, 0]]
     assert model.likelihood((), np.array([[2]])).tolist() == [[[0, 1, 0, 0, 0]]]
+
+
+def mixed(strength: float, outcome: Axis | None = None) -> ForwardModel:
+    one, kinds = np.ones(1), Axis.categorical("kind", ("a", "b"))
+    outcome = outcome or Axis.categorical("outcome", ("x", "y", "z"))
+    return ForwardModel([kinds], Axis("action", "m", -one, one, 5), outcome, prior_strength=strength)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seeds, st.integers(0, 40))
+def test_categories_that_follow_from_measured_actions_lean_on_what_usually_follows(seed, count):
+    """P(o | c, a) = (n + k q) / (N + k), in experiences, whatever unit counts are kept in; merged as ever."""
+    rng, k = np.random.default_rng(seed), 2.5
+    kind, action, outcome = (
+        rng.integers(0, 2, (count, 1)),
+        rng.uniform(-1, 1, (count, 1)),
+        rng.integers(0, 3, (count, 1)),
+    )
+    model, first, second = mixed(k), mixed(k), mixed(k)
+    model.observe([kind], action, outcome)
+    half = count // 2
+    first.observe([kind[:half]], action[:half], outcome[:half])
+    second.observe([kind[half:]], action[half:], outcome[half:])
+    first.merge(second)
+    np.testing.assert_array_equal(first.predictive, model.predictive)
+    counts = model.counts[0] / model.unit
+    for c in range(2):
+        met = outcome[kind == c]
+        usual = (np.bincount(met, minlength=3) + 1 / 3) / (len(met) + 1)
+        np.testing.assert_allclose(
+            model.predictive[0, c], (counts[c] + k * usual) / (counts[c].sum(-1, keepdims=True) + k), atol=1e-12
+        )
+
+
+def test_measured_outcomes_of_categories_have_no_line_to_lean_on():
+    one = np.ones(1)
+    with pytest.raises(BabblingError, match="prior strength 1: it must be >= 0, and 0 for measured outcomes"):
+        mixed(1.0, Axis("outcome", "m", -one, one, 5))
+    with pytest.raises(BabblingError, match="prior strength -1"):
+        mixed(-1.0)
+    assert mixed(0.0, Axis("outcome", "m", -one, one, 5)).prior_strength == 0

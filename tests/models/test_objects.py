@@ -79,6 +79,13 @@ def _corners(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> np.ndarra
     return np.asarray(data.geom_xpos[geom] + signs * half @ data.geom_xmat[geom].reshape(3, 3).T)
 
 
+def test_every_object_is_entered_and_has_its_papers() -> None:
+    folder = next(iter(TOYS.values())).folder.parent
+    papers = (folder / "README.md").read_text()
+    assert {path.parent.name for path in folder.rglob("object.xml")} == set(TOYS)
+    assert [name for name in TOYS if f"`{name}`" not in papers] == []
+
+
 BARE = '<mujoco><worldbody><body><geom size="0.01"/><site name="b"/></body></worldbody></mujoco>'
 
 
