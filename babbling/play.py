@@ -59,7 +59,7 @@ class Play(OfOneBody):
     """(K, A) sums of the farthest from rest that one's posture was, rad^2."""
     rounds: Annotated[int, Numbers(low=0)]
     """Rounds played."""
-    minutes: Annotated[float, Numbers(unit="min", low=0, high=1e6)]
+    milliseconds: Annotated[int, Numbers(unit="ms", low=0, high=MOST)]
     """Body time."""
 
     @classmethod
@@ -90,12 +90,17 @@ class Play(OfOneBody):
         )
         acts = (len(kinds), len(primitives))
         moved, none = np.zeros((*acts, features), np.int64), np.zeros(acts, np.int64)
-        return cls(fingerprint, outcomes, aims, moved, moved.copy(), none, 0, 0.0)
+        return cls(fingerprint, outcomes, aims, moved, moved.copy(), none, 0, 0)
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """K names."""
         return self.outcomes.contexts[0].labels
+
+    @property
+    def minutes(self) -> float:
+        """Body time."""
+        return self.milliseconds / 60_000
 
     @property
     def reached(self) -> IntArray:
@@ -131,7 +136,7 @@ class Play(OfOneBody):
             [np.full((len(which), 1), value) for value in (kind, hands)], which[:, None], states[:, None]
         )
         if hands == HANDS.index("busy"):
-            return self.merged(replace(new, minutes=minutes))
+            return self.merged(replace(new, milliseconds=round(60_000 * minutes)))
         at = (np.full(len(which), kind), which)
         seen = np.rint(features / FINE).astype(np.int64)
         np.add.at(new.moved, at, seen)
@@ -140,7 +145,7 @@ class Play(OfOneBody):
         shares = np.clip((aims - MIDDLE) / SPREAD, -1, 1)
         rows = [np.broadcast_to(np.asarray(value)[:, None], shares.shape) for value in (*at, states)]
         new.aims.observe(rows[:2], shares, rows[2])
-        return self.merged(replace(new, minutes=minutes))
+        return self.merged(replace(new, milliseconds=round(60_000 * minutes)))
 
     def nothing(self) -> "Play":
         """The same kinds of things, never played with."""
@@ -163,7 +168,7 @@ class Play(OfOneBody):
         for one in (self, other):
             both.outcomes.merge(one.outcomes)
             both.aims.merge(one.aims)
-        summed = ("moved", "moved_squares", "strain", "rounds", "minutes")
+        summed = ("moved", "moved_squares", "strain", "rounds", "milliseconds")
         return replace(both, **{name: getattr(self, name) + getattr(other, name) for name in summed})
 
     def practised(self, kind: int) -> IntArray:

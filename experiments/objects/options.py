@@ -28,7 +28,7 @@ class Config(Options):
     """Options of `imitate objects`."""
 
     object: Annotated[str, a_toy] = "panel"
-    """What the act is done with: dumbbell, wide_dumbbell, outsized, panel, box, loop, square or cup."""
+    """What the act is done with: dumbbell, wide-dumbbell, outsized, panel, box, loop, square or cup."""
     act: Annotated[str, an_act] = "press with the head"
     """What the teacher does: pull, spread, push together, squeeze, lift with both, press, press with the head, press
     the other, hold, lift, carry, carry and push, sweep."""

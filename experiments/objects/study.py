@@ -36,7 +36,7 @@ SUCCESS = (
 PLACEMENTS = 100
 CELL, TEST = 8, 4
 """Tries of every primitive with every kind that tables are made of, and that judge them."""
-NEW = {"wide_dumbbell": "apart", "square": "joined"}
+NEW = {"wide-dumbbell": "apart", "square": "joined"}
 """Objects never played with, whose kinds were; and what is to be brought about."""
 OWN_ROUNDS = 6
 """Rounds of play with those two, for comparison."""

@@ -51,7 +51,7 @@ _ALL: Final[dict[str, dict[str, Any]]] = {
         "half": (0.02, 0.02, 0.02),
         **_ENDS,
     },
-    "wide_dumbbell": {"about": "with ends of 5 cm", "kind": "dumbbell", "half": (0.025, 0.025, 0.025), **_ENDS},
+    "wide-dumbbell": {"about": "with ends of 5 cm", "kind": "dumbbell", "half": (0.025, 0.025, 0.025), **_ENDS},
     "outsized": {
         **_ENDS,
         "about": "a dumbbell too large for small hands",
@@ -71,5 +71,7 @@ _ALL: Final[dict[str, dict[str, Any]]] = {
     "square": {"about": "a square frame over a dowel", "kind": "ring", "half": (0.028, 0.007, 0.021), "state": _RING},
     "cup": {"about": "a bead in a cup", "kind": "cup", "half": (0.01, 0.01, 0.02), "state": _CUP},
 }
-TOYS: Final[Mapping[str, Toy]] = MappingProxyType({name: Toy(_FOLDER / name, **told) for name, told in _ALL.items()})
+TOYS: Final[Mapping[str, Toy]] = MappingProxyType(
+    {name: Toy(_FOLDER / name.replace("-", "_"), **told) for name, told in _ALL.items()}
+)
 """Every object."""
