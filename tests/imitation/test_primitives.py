@@ -221,9 +221,9 @@ def test_postures_bring_parts_there_and_where_nothing_is_wanted_one_rests() -> N
     wanted[2, 3, 0] = (5.0, 0, 0)
     found, miss = postures(of_arms, wanted, np.tile(REST, (4, 1)) + 0.1)
     away = np.linalg.norm(np.stack([where(one) for one in found]) - wanted, axis=-1).max(-1)
-    assert np.nanmax(away[:, :3]) < 1e-4
+    assert np.nanmax(away[:, :3]) < 1e-3
     np.testing.assert_array_equal(found[1, :2], np.tile(REST, (2, 1)))
-    assert miss[:3].max() < 1e-4 and miss[3] == pytest.approx(away[2, 3])
+    assert miss[:3].max() < 1e-3 and miss[3] == pytest.approx(away[2, 3])
 
 
 def jerk(ways: Callable[[float], float], steps: int) -> np.ndarray:

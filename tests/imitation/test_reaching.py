@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from imitation.acting.reaching import MARGIN, places, reach
+from imitation.acting.reaching import MARGIN, STIFF, places, reach
 from tests.imitation.arms import FORE, HIGH, JOINTS, LOW, MIRROR, REST, SHOULDER, UPPER, image, where
 
 EXACT = image()
@@ -22,11 +22,17 @@ def test_the_image_is_the_closed_form() -> None:
     np.testing.assert_allclose(places(EXACT, angles), where(angles), atol=1e-12)
 
 
-def test_what_can_be_reached_is_met_within_a_tenth_of_a_millimetre() -> None:
-    wanted = where(postures(1))
-    found, miss = reach(EXACT, wanted, resting(60))
-    assert np.linalg.norm(where(found) - wanted, axis=-1).max() < 1e-4
-    assert miss.max() < 1e-4
+def worth(reached: np.ndarray) -> np.ndarray:
+    """(N,) m^2 that comfort may cost: what is found is no worse than the posture that meets the target exactly."""
+    return STIFF * ((reached - EXACT.rest) ** 2).sum(1) + 1e-9
+
+
+def test_what_can_be_reached_is_met_but_for_what_comfort_is_worth() -> None:
+    meant = postures(1)
+    found, miss = reach(EXACT, where(meant), resting(60))
+    away = ((where(found) - where(meant)) ** 2).sum((-1, -2))
+    assert (away + worth(found) <= worth(meant) + 1e-8).all()
+    assert miss.max() < 0.01 and np.median(miss) < 2e-3
     assert (found >= LOW + MARGIN - 1e-12).all() and (found <= HIGH - MARGIN + 1e-12).all()
 
 
@@ -42,8 +48,8 @@ def test_the_miss_is_the_true_one_of_the_worst_part() -> None:
     away = np.linalg.norm((0.6, 0.3, 0.1) - SHOULDER)
     assert (miss[far == 0] >= away - UPPER - FORE).all()
     np.testing.assert_allclose(miss[far == 0], away - UPPER - FORE, atol=2e-3)  # it stretches there, but for its stop
-    assert (miss[far == 1] >= 0.2).all() and (miss[far == 2] < 1e-4).all()
-    assert true[far == 0, 1:].max() < 5e-3, "the others go on, if to coarser steps: what is left is judged by the whole"
+    assert (miss[far == 1] >= 0.2).all() and (miss[far == 2] < 0.01).all()
+    assert true[far == 0, 1:].max() < 0.01, "the others go on, if to coarser steps: what is left is judged by the whole"
     assert (found >= LOW + MARGIN - 1e-12).all() and (found <= HIGH - MARGIN + 1e-12).all()
 
 
@@ -56,9 +62,9 @@ def test_a_part_without_a_target_is_left_alone(part: int) -> None:
     own = list(JOINTS.values())[part]
     np.testing.assert_array_equal(found[:, own], base[:, own])
     np.testing.assert_array_equal(found[0], base[0])
-    assert miss[0] == 0 and miss.max() < 1e-4
+    assert miss[0] == 0 and miss.max() < 0.01
     others = [one for one in range(3) if one != part]
-    assert np.linalg.norm(where(found)[1:, others] - wanted[1:, others], axis=-1).max() < 1e-4
+    assert np.linalg.norm(where(found)[1:, others] - wanted[1:, others], axis=-1).max() < 0.01
 
 
 def test_everyone_reaches_as_if_alone() -> None:
