@@ -1,0 +1,102 @@
+"""Where things are, by one's own two eyes in a head that moves: learned by watching one's own hands.
+
+Eyes alike and parallel see a thing at (u, v) and (u', v'). It is d = 1 / (u - u') away, in units of their distance, and
+
+    place = R(q) (d, d (u + u') / 2, d v) + t(q) = W' (phi(q) x (1, d, d (u + u') / 2, d v)),
+
+phi the products of harmonics of the n senses q that move the eyes (`babbling.body_image`). In turns and shifts of a
+body of hinges every sense enters by its sine and cosine, and turns within turns multiply: so the law is linear in W and
+exact. What moves the eyes is what moves the forehead, found by looking; targets are the places that the learned body
+image foretells for one's hands. How long the neck is, where eyes stand, how wide they see: all of that is W, learned.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Final
+
+import numpy as np
+
+from babbling.axes import FloatArray, IntArray
+from babbling.body import OfOneBody
+from babbling.body_image import BodyImage, harmonic_products
+from babbling.errors import BabblingError
+from babbling.kinds import Numbers, kind
+from babbling.regression import regress
+
+SIGHTS: Final = 4
+"""1, d, d (u + u') / 2, d v."""
+LEAST_APART: Final = 0.02
+"""Least u - u': what is farther than fifty times the distance of the eyes has no place."""
+OUTLIER: Final = 3.0
+"""A hand that is missed by more standard deviations was half hidden; it is left out."""
+ROUNDS: Final = 4
+
+
+@kind("own eyes", "make one with `imitate play`")
+@dataclass(frozen=True)
+class OwnEyes(OfOneBody):
+    """The learned law."""
+
+    fingerprint: str
+    joints: Annotated[IntArray, Numbers("eye_joint", low=0)]
+    """(n,) posture senses that move the eyes."""
+    centre: Annotated[FloatArray, Numbers("eye_joint", "rad")]
+    """(n,) their middles."""
+    weights: Annotated[FloatArray, Numbers("coordinate:3 sight")]
+    """(3, 3^n * 4) W', m; the harmonics slowest."""
+    noise: Annotated[float, Numbers(unit="m", low=0)]
+    """Standard deviation of what it missed the hands by."""
+
+    def locate(self, seen: FloatArray, postures: FloatArray) -> FloatArray:
+        """Places in the body image's frame.
+
+        Args:
+            seen: (2, N, K, 2) u, v of K things in the left and the right eye, in units of the focal length or any
+                other, always the same, from anywhere, always the same; NaN unseen.
+            postures: (N, F) felt.
+
+        Returns: (N, K, 3) m, NaN unseen.
+        """
+        phi = harmonic_products(postures[:, self.joints] - self.centre)
+        return np.asarray(_products(phi[:, None], sights(seen)) @ self.weights.T)
+
+
+def sights(seen: FloatArray) -> FloatArray:
+    """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, or too far."""
+    (left, v), (right, w) = np.moveaxis(seen, -1, 1)
+    apart = left - right
+    depth = 1 / np.where(apart > LEAST_APART, apart, np.nan)
+    return np.stack([np.ones_like(depth), depth, depth * (left + right) / 2, depth * (v + w) / 2], -1)
+
+
+def learn_own_eyes(seen: FloatArray, postures: FloatArray, image: BodyImage, head: str, hands: list[str]) -> OwnEyes:
+    """The law, from watching one's own hands.
+
+    Args:
+        seen: (2, N, H, 2) where H hands were seen, NaN unseen.
+        postures: (N, F) felt.
+        image: foretells where one's parts are.
+        head: the part that moves as the eyes do; hands: H parts.
+
+    Raises:
+        BabblingError: hands that were hardly ever seen.
+    """
+    moved = image.images[head]
+    phi = harmonic_products(postures[:, moved.joints] - moved.centre)
+    places = np.stack([image.images[hand].expected(postures) for hand in hands], 1)
+    x, y = _products(phi[:, None], sights(seen)), places
+    x, y = x.reshape(-1, 1, x.shape[-1]), y.reshape(-1, 1, 3)
+    count = int(np.isfinite(x.sum(-1)).sum())
+    if count < 2 * x.shape[-1]:
+        raise BabblingError(
+            f"one's hands were seen {count} times; {2 * x.shape[-1]} at least tell where eyes are: watch them longer"
+        )
+    fit = regress(x, y, outlier=OUTLIER, rounds=ROUNDS)
+    return OwnEyes(
+        image.fingerprint, moved.joints, moved.centre, fit.coefficients[0].copy(), float((fit.noise**2).mean() ** 0.5)
+    )
+
+
+def _products(phi: FloatArray, sight: FloatArray) -> FloatArray:
+    """(..., P) and (..., 4) to (..., 4 P)."""
+    both = phi[..., :, None] * sight[..., None, :]
+    return np.asarray(both.reshape(*both.shape[:-2], -1))
