@@ -17,7 +17,7 @@ import numpy as np
 
 from babbling.axes import FloatArray, IntArray
 from babbling.body import OfOneBody
-from babbling.body_image import BodyImage, harmonic_products
+from babbling.body_image import PartImage, harmonic_products
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers, kind
 from babbling.regression import regress
@@ -68,32 +68,32 @@ def sights(seen: FloatArray) -> FloatArray:
     return np.stack([np.ones_like(depth), depth, depth * (left + right) / 2, depth * (v + w) / 2], -1)
 
 
-def learn_own_eyes(seen: FloatArray, postures: FloatArray, image: BodyImage, head: str, hands: list[str]) -> OwnEyes:
+def learn_own_eyes(
+    seen: FloatArray, postures: FloatArray, places: FloatArray, head: PartImage, fingerprint: str
+) -> OwnEyes:
     """The law, from watching one's own hands.
 
     Args:
-        seen: (2, N, H, 2) where H hands were seen, NaN unseen.
+        seen: (2, N, H, 2) where H hands were seen, NaN unseen; see `OwnEyes.locate`.
         postures: (N, F) felt.
-        image: foretells where one's parts are.
-        head: the part that moves as the eyes do; hands: H parts.
+        places: (N, H, 3) m where the body image foretells the hands.
+        head: image of a part that moves as the eyes do.
+        fingerprint: of the body that looked.
 
     Raises:
         BabblingError: hands that were hardly ever seen.
     """
-    moved = image.images[head]
-    phi = harmonic_products(postures[:, moved.joints] - moved.centre)
-    places = np.stack([image.images[hand].expected(postures) for hand in hands], 1)
-    x, y = _products(phi[:, None], sights(seen)), places
-    x, y = x.reshape(-1, 1, x.shape[-1]), y.reshape(-1, 1, 3)
-    count = int(np.isfinite(x.sum(-1)).sum())
-    if count < 2 * x.shape[-1]:
+    phi = harmonic_products(postures[:, head.joints] - head.centre)
+    x = _products(phi[:, None], sights(seen))
+    x, y = x.reshape(-1, 1, x.shape[-1]), places.reshape(-1, 1, 3)
+    count, least = int(np.isfinite(x.sum(-1)).sum()), 2 * x.shape[-1]
+    if count < least:
         raise BabblingError(
-            f"one's hands were seen {count} times; {2 * x.shape[-1]} at least tell where eyes are: watch them longer"
+            f"one's hands were seen {count} times; {least} at least tell where one's eyes are: watch them longer"
         )
     fit = regress(x, y, outlier=OUTLIER, rounds=ROUNDS)
-    return OwnEyes(
-        image.fingerprint, moved.joints, moved.centre, fit.coefficients[0].copy(), float((fit.noise**2).mean() ** 0.5)
-    )
+    noise = float(np.sqrt((fit.noise**2).mean()))
+    return OwnEyes(fingerprint, head.joints, head.centre, fit.coefficients[0].copy(), noise)
 
 
 def _products(phi: FloatArray, sight: FloatArray) -> FloatArray:

@@ -32,14 +32,15 @@ EVERY = 15
 AFTER_S = 0.3
 """How long it waits to see what has become of it."""
 
-Look = Callable[[PlayBody, np.random.Generator], FloatArray]
-"""(B, 5, 3) m where hands, forehead, a and b are seen; NaN for what is hidden."""
+Look = Callable[[PlayBody, FloatArray, bool, np.random.Generator], FloatArray]
+"""Of a body, its (B, F) felt postures, and whether one looks closely, (B, 5, 3) m where hands, forehead, a and b are
+seen."""
 
 
 def points(noise: float = SEEING_M) -> Look:
     """Everything is seen as a point, with noise."""
 
-    def look(body: PlayBody, rng: np.random.Generator) -> FloatArray:
+    def look(body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
         true = body.places
         return np.asarray(true + noise * rng.standard_normal(true.shape))
 
@@ -131,8 +132,8 @@ class Player:
         schema, tick, joints, toy = self.mind.pilot.schema, body.tick_s, Joints(self.hung, body), body.toy
         assert toy is not None
         felt = body.reset()
-        looks, true, signal = [self.look(body, rng)], [body.places], [body.signal]
         count, begin = body.copies, joints.felt(felt)[:, schema.posture]
+        looks, true, signal = [self.look(body, begin, True, rng)], [body.places], [body.signal]
         low = np.full(count, body.table - MIDDLE[2] + LOW)
         thing = Thing(*_seen(looks[0]), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
         planned = plan(thing, which, aims)
@@ -149,8 +150,9 @@ class Player:
         touch, angles, configurations = [body.senses.read(felt, "touch")], [body.joint_angles], [body.configuration]
         for number in range(len(path) - 1):
             if number == half_way:
-                here = places(self.image, joints.felt(felt)[:, schema.posture])
-                left = again(planned, thing, which, here, self.look(body, rng)[:, PARTS:])
+                now = joints.felt(felt)[:, schema.posture]
+                seen = self.look(body, now, True, rng)
+                left = again(planned, thing, which, places(self.image, now), seen[:, PARTS:])
                 ways, more = postures(self.image, left, ways[LOOKS - 1])
                 missed = np.maximum(missed, more)
                 path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOKS:], path[number], tick)
@@ -165,7 +167,8 @@ class Player:
             touch.append(body.senses.read(felt, "touch"))
             angles.append(body.joint_angles)
             if looked_at(number + 1, len(path)):
-                looks.append(self.look(body, rng))
+                now, last = joints.felt(felt)[:, schema.posture], number == len(path) - 2
+                looks.append(self.look(body, now, last, rng))
             if keep or number == len(path) - 2:
                 configurations.append(body.configuration)
         at = [0, *(n for n in range(1, len(path)) if looked_at(n, len(path)))]

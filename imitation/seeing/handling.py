@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
 from imitation.errors import ImitationError
-from imitation.seeing.features import Feature, find_features
+from imitation.seeing.features import find_features
 
 MARKS: Final = (("magenta",), ("blue",), ("green",), ("orange", "yellow"), ("cyan",))
 """Colours of the left hand, the right hand, the forehead, a (a lamp, off and on) and b."""
@@ -25,9 +25,16 @@ GAP: Final = 4
 """Looks in a row that a mark may be hidden for, and still have been on the straight way between."""
 
 
-def marks(image: NDArray[np.uint8]) -> FloatArray:
-    """(5, 2) u, v in pixels of every mark of `MARKS`; NaN for what is hidden or cut by the border."""
-    return _middles(find_features(image, LEAST_AREA))
+def marks(image: NDArray[np.uint8], *, cut: bool = False) -> FloatArray:
+    """(5, 2) u, v in pixels of every mark of `MARKS`; NaN for what is hidden, and, unless `cut`, for what the border of
+    the image cuts."""
+    places = np.full((len(MARKS), 2), np.nan)
+    found = find_features(image, LEAST_AREA)
+    for place, labels in zip(places, MARKS, strict=True):
+        mine = [one for one in found if one.label in labels]
+        if mine and (cut or all(one.whole for one in mine)):
+            place[:] = np.average([(one.u, one.v) for one in mine], axis=0, weights=[one.area for one in mine])
+    return places
 
 
 def glows(image: NDArray[np.uint8]) -> bool:
@@ -36,15 +43,6 @@ def glows(image: NDArray[np.uint8]) -> bool:
         sum(one.area for one in find_features(image, LEAST_AREA) if one.label == label) for label in MARKS[A]
     )  # fmt: skip
     return on > off
-
-
-def _middles(found: tuple[Feature, ...]) -> FloatArray:
-    places = np.full((len(MARKS), 2), np.nan)
-    for place, labels in zip(places, MARKS, strict=True):
-        mine = [one for one in found if one.label in labels]
-        if mine and all(one.whole for one in mine):
-            place[:] = np.average([(one.u, one.v) for one in mine], axis=0, weights=[one.area for one in mine])
-    return places
 
 
 def centred(pixels: FloatArray, width: int, height: int, focal_px: float) -> FloatArray:

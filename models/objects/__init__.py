@@ -61,7 +61,13 @@ _ALL: Final[dict[str, dict[str, Any]]] = {
         "half": (0.032, 0.032, 0.032),
         "stiction": (1.25, 15.0),
     },
-    "panel": {"about": "a touch lights it", "kind": "panel", "half": (0.042, 0.004, 0.004), "state": lit, "glows": True},
+    "panel": {
+        "about": "a touch lights it",
+        "kind": "panel",
+        "half": (0.042, 0.004, 0.004),
+        "state": lit,
+        "glows": True,
+    },
     "box": {
         "about": "a stick reaches a recessed button, which buzzes",
         "kind": "box",

@@ -36,6 +36,7 @@ class Room:
     table: tuple[float, float, float] = (0.62, 0.6, 0.57)
     """Red, green, blue."""
     wall: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    """Of all that is behind."""
 
     @property
     def cameras(self) -> tuple[str, ...]:
@@ -43,7 +44,7 @@ class Room:
         return ("watching_left", "watching_right") if self.apart else ("watching",)
 
     def furnish(self, spec: mujoco.MjSpec) -> None:
-        """Put cameras and a wall into a scene, and colour its table.
+        """Put cameras into a scene, and colour its table.
 
         Raises:
             BodyError: a camera where it looks, or straight above or below.
@@ -51,17 +52,14 @@ class Room:
         ahead = np.subtract(self.at, self.place)
         right = np.cross(ahead, (0, 0, 1.0))
         if np.linalg.norm(right) < 1e-6:
-            raise BodyError(f"a camera at {self.place} cannot look at {self.at}: it must look across, not straight down")
+            raise BodyError(f"a camera at {self.place} cannot look at {self.at}: it must look across, not up or down")
         right /= np.linalg.norm(right)
-        up = np.cross(right, ahead)
+        back = -ahead / np.linalg.norm(ahead)
+        turn = np.empty(4)
+        mujoco.mju_mat2Quat(turn, np.column_stack([right, np.cross(back, right), back]).ravel())
         for name, side in zip(self.cameras, (-0.5, 0.5) if self.apart else (0.0,), strict=True):
-            camera = spec.worldbody.add_camera(name=name, pos=self.place + side * self.apart * right)
-            camera.alt.xyaxes = [*right, *up]
+            spec.worldbody.add_camera(name=name, pos=self.place + side * self.apart * right, quat=turn)
         spec.geom("table").rgba[:3] = self.table
-        look = {"rgba": (*self.wall, 1), "contype": 0, "conaffinity": 0, "group": 2}
-        spec.worldbody.add_geom(
-            name="wall", type=mujoco.mjtGeom.mjGEOM_BOX, size=(0.02, 4, 4), pos=(-1.5, 0, 0), **look
-        )  # fmt: skip
 
 
 class Retinas:
@@ -94,6 +92,8 @@ class Retinas:
         if room is not None:
             room.furnish(spec)
         self._model = model = spec.compile()
+        if room is not None:
+            model.vis.rgba.haze[:3] = room.wall
         model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = AMBIENT, HEADLIGHT
         self._data, self._pieces = mujoco.MjData(model), pieces(model)
         cameras, usual = (EYES, OWN) if room is None else (room.cameras, OTHER)
@@ -106,7 +106,9 @@ class Retinas:
         """Of this body's scene; nothing else is taken from it."""
         return cls(body.robot, body.seat, body.toy, body.table, **how)
 
-    def see(self, configuration: FloatArray, rng: np.random.Generator, laid: FloatArray | tuple[()] = ()) -> list[Image]:
+    def see(
+        self, configuration: FloatArray, rng: np.random.Generator, laid: FloatArray | tuple[()] = ()
+    ) -> list[Image]:
         """What every camera shows.
 
         Args:

@@ -1,0 +1,135 @@
+"""Seeing a table by two retinas: one's own eyes are learned by watching one's hands, others are watched from a room."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.body_image import BodyImage
+from babbling.mind import Mind
+from babbling.mirroring import mirror_babble
+from babbling.own_eyes import OwnEyes, learn_own_eyes
+from experiments.shared.playing import SEATED, Look
+from imitation.acting.reaching import places
+from imitation.seeing.handling import bridged, centred, located, marks
+from models.body import SimulatedBody
+from models.loading import load_body
+from models.objects.playing import PlayBody
+from models.objects.retinas import Retinas, Room
+from models.objects.scene import PARTS
+from models.robots import ROBOTS
+
+WATCHING_COPIES, WATCHING_MINUTES = 16, 4.0
+"""Of watching one's own hands."""
+EVERY = 12
+"""Ticks between two looks at one's hands: less apart they look alike."""
+BEFORE_ONE = 0.5
+"""Share of every motor's range, about rest, that keeps hands before one's eyes."""
+LOOKED = 3
+"""Looks at an act of which one is by pixels, besides close ones; in between, what was last seen stays."""
+USUAL = (0.03, 0.0, -0.08)
+"""m: where something is believed to be that was never seen."""
+
+
+def eyes_see(
+    retinas: Retinas, configuration: FloatArray, rng: np.random.Generator, laid: FloatArray | tuple[()] = ()
+) -> FloatArray:
+    """(cameras, 5, 2) `centred` marks on what its cameras show."""
+    shown = zip(retinas.eyes, retinas.see(configuration, rng, laid), strict=True)
+    return np.array(
+        [centred(marks(image, cut=True), eye.options.width, eye.options.height, eye.focal_px) for eye, image in shown]
+    )
+
+
+class Watching:
+    """Where one's hands are seen while one babbles: `babbling.mirroring.Mirror` by pixels, (B, 2 eyes, 2 hands, 2)."""
+
+    parts = ("left hand", "right hand")
+
+    def __init__(self, body: SimulatedBody, seed: int, every: int = EVERY) -> None:
+        robot = ROBOTS[SEATED]
+        assert robot.seat is not None
+        self._body, self._retinas, self._every, self._looks = body, Retinas(robot, robot.seat), every, 0
+        self._rng = np.random.default_rng([seed, 0xE7E5])
+
+    def look(self) -> FloatArray:
+        """What is seen now; NaN where one does not look."""
+        seen = np.full((self._body.copies, 2, len(self.parts), 2), np.nan)
+        if self._looks % self._every == 0:
+            for copy, configuration in enumerate(np.asarray(self._body.batch.qpos)):
+                seen[copy] = eyes_see(self._retinas, configuration, self._rng)[:, : len(self.parts)]
+        self._looks += 1
+        return seen
+
+
+def watch_hands(mind: Mind, image: BodyImage, seed: int, minutes: float = WATCHING_MINUTES) -> OwnEyes:
+    """Where things are that one's eyes see, learned by moving one's hands before them."""
+    body, motors = load_body(SEATED, copies=WATCHING_COPIES, seed=seed), mind.pilot.motors
+    near = replace(
+        motors,
+        low=motors.rest + BEFORE_ONE * (motors.low - motors.rest),
+        high=motors.rest + BEFORE_ONE * (motors.high - motors.rest),
+    )
+    seen = mirror_babble(body, Watching(body, seed), mind.pilot.schema, near, minutes, seed)
+    looked = ~np.isnan(seen.directions).all((2, 3, 4))
+    looks = seen.directions[looked].swapaxes(0, 1)
+    postures = seen.postures[looked]
+    hands = places(image, postures)[:, : len(Watching.parts)]
+    return learn_own_eyes(looks, postures, hands, image.images[image.parts[-1]], image.fingerprint)
+
+
+def pixels(eyes: OwnEyes, image: BodyImage, every: int = LOOKED) -> Look:
+    """Hands and forehead are where the body image foretells them for the felt posture; a and b where one's eyes show.
+
+    What is hidden, or not looked at, stays where it was last seen; what has no other part that shows (a panel is its
+    own lamp) has both where the one is.
+    """
+    sight = _Sight(eyes, every)
+
+    def look(body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
+        return np.concatenate([places(image, felt), sight.things(body, felt, closely, rng)], 1)
+
+    return look
+
+
+class _Sight:
+    """What is remembered between looks."""
+
+    def __init__(self, eyes: OwnEyes, every: int) -> None:
+        self._eyes, self._every = eyes, every
+        self._body: PlayBody | None = None
+
+    def things(self, body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
+        """(B, 2, 3) a and b."""
+        if body is not self._body:
+            self._body, self._retinas = body, Retinas.of(body)
+        if body.time == 0:
+            self._last, self._looks, closely = np.full((body.copies, 2, 3), np.nan), 0, True
+        self._looks += 1
+        if closely or self._looks % self._every == 0:
+            each = zip(body.configuration, body.laid, strict=True)
+            seen = np.stack([eyes_see(self._retinas, q, rng, laid)[:, PARTS:] for q, laid in each], 1)
+            now = self._eyes.locate(seen, felt)
+            self._last = np.where(np.isnan(now), self._last, now)
+        known = np.where(np.isnan(self._last), self._last[:, ::-1], self._last)
+        return np.where(np.isnan(known), USUAL, known)
+
+
+def film(
+    body: PlayBody, configurations: FloatArray, laid: FloatArray, room: Room, rng: np.random.Generator
+) -> FloatArray:
+    """What somebody who watches an act sees of it.
+
+    Args:
+        body: whoever does it (the scene is taken from it).
+        configurations: (T, nq) of one copy at T looks.
+        laid: (pieces, 7) see `PlayBody.laid`, of that copy.
+        room: from where; two cameras see depth, one does not.
+        rng: of the retinas.
+
+    Returns: (T, 5, 3) m ahead, left and up of the watcher, or (T, 5, 2) u, v on the one image in focal lengths: left
+        and right hand, forehead, a and b, short gaps bridged, NaN where hidden for longer.
+    """
+    retinas = Retinas.of(body, room=room)
+    seen = np.stack([eyes_see(retinas, one, rng, laid) for one in configurations], 1)
+    return bridged(located(seen, room.apart) if room.apart else seen[0])
