@@ -6,7 +6,8 @@ Eyes alike and parallel see a thing at (u, v) and (u', v'). It is d = 1 / (u - u
 
 phi the products of harmonics of the n senses q that move the eyes (`babbling.body_image`). In turns and shifts of a
 body of hinges every sense enters by its sine and cosine, and turns within turns multiply: so the law is linear in W and
-exact. What moves the eyes is what moves the forehead, found by looking; targets are the places that the learned body
+exact. Such eyes see a thing on one row; where rows differ it is half hidden from one of them, and nothing is believed.
+What moves the eyes is what moves the forehead, found by looking; targets are the places that the learned body
 image foretells for one's hands. How long the neck is, where eyes stand, how wide they see: all of that is W, learned.
 """
 
@@ -26,9 +27,11 @@ SIGHTS: Final = 4
 """1, d, d (u + u') / 2, d v."""
 LEAST_APART: Final = 0.02
 """Least u - u': what is farther than fifty times the distance of the eyes has no place."""
-OUTLIER: Final = 3.0
+ROW: Final = 0.012
+"""Greatest |v - v'|, focal lengths: a pixel."""
+OUTLIER: Final = 2.5
 """A hand that is missed by more standard deviations was half hidden; it is left out."""
-ROUNDS: Final = 4
+ROUNDS: Final = 8
 
 
 @kind("own eyes", "make one with `imitate play`")
@@ -50,8 +53,8 @@ class OwnEyes(OfOneBody):
         """Places in the body image's frame.
 
         Args:
-            seen: (2, N, K, 2) u, v of K things in the left and the right eye, in units of the focal length or any
-                other, always the same, from anywhere, always the same; NaN unseen.
+            seen: (2, N, K, 2) u, v of K things in the left and the right eye, in units of the focal length, from
+                anywhere, always the same; NaN unseen.
             postures: (N, F) felt.
 
         Returns: (N, K, 3) m, NaN unseen.
@@ -61,10 +64,11 @@ class OwnEyes(OfOneBody):
 
 
 def sights(seen: FloatArray) -> FloatArray:
-    """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, or too far."""
+    """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, half hidden, or too
+    far."""
     (left, v), (right, w) = np.moveaxis(seen, -1, 1)
     apart = left - right
-    depth = 1 / np.where(apart > LEAST_APART, apart, np.nan)
+    depth = 1 / np.where((apart > LEAST_APART) & (np.abs(v - w) < ROW), apart, np.nan)
     return np.stack([np.ones_like(depth), depth, depth * (left + right) / 2, depth * (v + w) / 2], -1)
 
 

@@ -32,12 +32,17 @@ USUAL = (0.03, 0.0, -0.08)
 
 
 def eyes_see(
-    retinas: Retinas, configuration: FloatArray, rng: np.random.Generator, laid: FloatArray | tuple[()] = ()
+    retinas: Retinas,
+    configuration: FloatArray,
+    rng: np.random.Generator,
+    laid: FloatArray | tuple[()] = (),
+    *,
+    cut: bool = False,
 ) -> FloatArray:
-    """(cameras, 5, 2) `centred` marks on what its cameras show."""
+    """(cameras, 5, 2) `centred` marks on what its cameras show; see `marks`."""
     shown = zip(retinas.eyes, retinas.see(configuration, rng, laid), strict=True)
     return np.array(
-        [centred(marks(image, cut=True), eye.options.width, eye.options.height, eye.focal_px) for eye, image in shown]
+        [centred(marks(image, cut=cut), eye.options.width, eye.options.height, eye.focal_px) for eye, image in shown]
     )
 
 
@@ -108,7 +113,7 @@ class _Sight:
         self._looks += 1
         if closely or self._looks % self._every == 0:
             each = zip(body.configuration, body.laid, strict=True)
-            seen = np.stack([eyes_see(self._retinas, q, rng, laid)[:, PARTS:] for q, laid in each], 1)
+            seen = np.stack([eyes_see(self._retinas, q, rng, laid, cut=True)[:, PARTS:] for q, laid in each], 1)
             now = self._eyes.locate(seen, felt)
             self._last = np.where(np.isnan(now), self._last, now)
         known = np.where(np.isnan(self._last), self._last[:, ::-1], self._last)

@@ -3,6 +3,8 @@
 Where a mark is, is the middle of all that shows its colour. Two eyes alike and parallel, b apart, see it u - u' apart:
 
     (ahead, left, up) = b / (u - u') (1, -(u + u') / 2, -v),    u, v in units of the focal length, u - u' > 0
+
+and both see it on one row: where rows differ it is half hidden from one of them, and has no place.
 """
 
 from typing import Final
@@ -21,6 +23,8 @@ LEAST_AREA: Final = 4.0
 """Square pixels; smaller specks are rims."""
 LEAST_APART: Final = 1e-3
 """Least difference between two eyes' views, focal lengths: farther things have no place."""
+ROW: Final = 0.006
+"""Greatest difference between rows, focal lengths."""
 GAP: Final = 4
 """Looks in a row that a mark may be hidden for, and still have been on the straight way between."""
 
@@ -63,8 +67,8 @@ def located(seen: FloatArray, apart: float) -> FloatArray:
     if len(seen) != 2:
         raise ImitationError(f"{len(seen)} eye(s) give no depth; two do")
     left, right = seen
-    between = left[..., 0] - right[..., 0]
-    depth = apart / np.where(between > LEAST_APART, between, np.nan)
+    between, rows = np.moveaxis(left - right, -1, 0)
+    depth = apart / np.where((between > LEAST_APART) & (np.abs(rows) < ROW), between, np.nan)
     across, down = np.moveaxis((left + right) / 2, -1, 0)
     return np.stack([depth, -depth * across, -depth * down], -1)
 

@@ -30,7 +30,7 @@ def shown(places: np.ndarray, postures: np.ndarray, apart: float = 0.05, zoom: f
 def scene(count: int, things: int = 2) -> tuple[np.ndarray, np.ndarray]:
     """(N, F) postures and (N, K, 3) places, before the eyes more or less whatever they do."""
     postures = RNG.uniform(-0.4, 0.4, (count, 5))
-    return postures, RNG.uniform(-0.1, 0.1, (count, things, 3)) + (0, 0, 0.5)
+    return postures, RNG.uniform(-0.1, 0.1, (count, things, 3)) + np.array([0, 0, 0.5])
 
 
 def learned(zoom: float = 1.0, off: float = 0.0, count: int = 600) -> OwnEyes:
