@@ -15,6 +15,7 @@ from models.robots import ROBOTS
 
 ROBOT = ROBOTS["hoap2-seated"]
 SEAT = ROBOT.seat
+FRONT = Room()
 QUIET = RetinaOptions(320, 240, fovy_deg=40.0)
 HAND, FOREHEAD, A, B = 0, 2, 3, 4
 
@@ -24,7 +25,7 @@ def body(toy: str, copies: int = 1) -> PlayBody:
     return PlayBody(ROBOT, SEAT, TOYS[toy], name="hoap2-seated", copies=copies, threads=1)
 
 
-def watched(toy: str, room: Room = Room()) -> tuple[np.ndarray, PlayBody]:
+def watched(toy: str, room: Room = FRONT) -> tuple[np.ndarray, PlayBody]:
     """(cameras, 5, 2) marks from a room."""
     one = body(toy)
     retinas = Retinas.of(one, room=room, options=QUIET)
@@ -36,7 +37,7 @@ def watched(toy: str, room: Room = Room()) -> tuple[np.ndarray, PlayBody]:
 @pytest.mark.parametrize("toy", TOYS)
 def test_every_mark_is_seen_and_is_where_it_is(toy: str) -> None:
     """From three quarters of a metre: to a centimetre and a half across, for what shows is not a thing's middle."""
-    room = Room()
+    room = FRONT
     seen, one = watched(toy, room)
     back = np.subtract(room.place, room.at) / np.linalg.norm(np.subtract(room.place, room.at))
     left = np.cross(-back, (0, 0, 1))
