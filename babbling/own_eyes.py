@@ -21,7 +21,7 @@ from babbling.body import OfOneBody
 from babbling.body_image import PartImage, harmonic_products
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers, kind
-from babbling.regression import regress
+from babbling.regression import Regression
 
 SIGHTS: Final = 4
 """1, d, d (u + u') / 2, d v."""
@@ -32,6 +32,10 @@ ROW: Final = 0.012
 OUTLIER: Final = 2.5
 """A hand that is missed by more standard deviations was half hidden; it is left out."""
 ROUNDS: Final = 8
+PRIOR: Final = 400.0
+"""1/m^2: W ~ N(0, I / PRIOR), for the distance of one's eyes, which is what R's entries are told in, is some 5 cm."""
+LEAST_VARIANCE: Final = 1e-12
+"""m^2."""
 
 
 @kind("own eyes", "make one with `imitate play`")
@@ -49,26 +53,27 @@ class OwnEyes(OfOneBody):
     noise: Annotated[float, Numbers(unit="m", low=0)]
     """Standard deviation of what it missed the hands by."""
 
-    def locate(self, seen: FloatArray, postures: FloatArray) -> FloatArray:
+    def locate(self, seen: FloatArray, postures: FloatArray, row: float = ROW) -> FloatArray:
         """Places in the body image's frame.
 
         Args:
             seen: (2, N, K, 2) u, v of K things in the left and the right eye, in units of the focal length, from
                 anywhere, always the same; NaN unseen.
             postures: (N, F) felt.
+            row: greatest |v - v'| of what is not half hidden.
 
         Returns: (N, K, 3) m, NaN unseen.
         """
         phi = harmonic_products(postures[:, self.joints] - self.centre)
-        return np.asarray(_products(phi[:, None], sights(seen)) @ self.weights.T)
+        return np.asarray(_products(phi[:, None], sights(seen, row)) @ self.weights.T)
 
 
-def sights(seen: FloatArray) -> FloatArray:
+def sights(seen: FloatArray, row: float = ROW) -> FloatArray:
     """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, half hidden, or too
     far."""
     (left, v), (right, w) = np.moveaxis(seen, -1, 1)
     apart = left - right
-    depth = 1 / np.where((apart > LEAST_APART) & (np.abs(v - w) < ROW), apart, np.nan)
+    depth = 1 / np.where((apart > LEAST_APART) & (np.abs(v - w) < row), apart, np.nan)
     return np.stack([np.ones_like(depth), depth, depth * (left + right) / 2, depth * (v + w) / 2], -1)
 
 
@@ -95,9 +100,14 @@ def learn_own_eyes(
         raise BabblingError(
             f"one's hands were seen {count} times; {least} at least tell where one's eyes are: watch them longer"
         )
-    fit = regress(x, y, outlier=OUTLIER, rounds=ROUNDS)
-    noise = float(np.sqrt((fit.noise**2).mean()))
-    return OwnEyes(fingerprint, head.joints, head.centre, fit.coefficients[0].copy(), noise)
+    keep = np.isfinite(x.sum(-1))
+    for _ in range(ROUNDS):
+        sums = Regression(1, x.shape[-1], 3)
+        sums.observe(x, y, keep)
+        fit, variance = sums.fit_with_noise(PRIOR, LEAST_VARIANCE)
+        missed = ((y - fit.mean(x)) ** 2).sum(-1)
+        keep = missed < OUTLIER**2 * 3 * variance
+    return OwnEyes(fingerprint, head.joints, head.centre, fit.coefficients[0].copy(), float(np.sqrt(variance)))
 
 
 def _products(phi: FloatArray, sight: FloatArray) -> FloatArray:

@@ -19,12 +19,12 @@ from models.objects.retinas import Retinas, Room
 from models.objects.scene import PARTS
 from models.robots import ROBOTS
 
-WATCHING_COPIES, WATCHING_MINUTES = 16, 4.0
+WATCHING_COPIES, WATCHING_MINUTES = 16, 8.0
 """Of watching one's own hands."""
 EVERY = 12
 """Ticks between two looks at one's hands: less apart they look alike."""
-BEFORE_ONE = 0.5
-"""Share of every motor's range, about rest, that keeps hands before one's eyes."""
+NECK, ARMS = 0.45, 0.75
+"""Shares of the ranges, about rest, of motors that move the eyes and of all others: hands stay before one's eyes."""
 LOOKED = 3
 """Looks at an act of which one is by pixels, besides close ones; in between, what was last seen stays."""
 USUAL = (0.03, 0.0, -0.08)
@@ -70,11 +70,9 @@ class Watching:
 def watch_hands(mind: Mind, image: BodyImage, seed: int, minutes: float = WATCHING_MINUTES) -> OwnEyes:
     """Where things are that one's eyes see, learned by moving one's hands before them."""
     body, motors = load_body(SEATED, copies=WATCHING_COPIES, seed=seed), mind.pilot.motors
-    near = replace(
-        motors,
-        low=motors.rest + BEFORE_ONE * (motors.low - motors.rest),
-        high=motors.rest + BEFORE_ONE * (motors.high - motors.rest),
-    )
+    share = np.where(image.moves[-1], NECK, ARMS)
+    low, high = (motors.rest + share * (end - motors.rest) for end in (motors.low, motors.high))
+    near = replace(motors, low=low, high=high)
     seen = mirror_babble(body, Watching(body, seed), mind.pilot.schema, near, minutes, seed)
     looked = ~np.isnan(seen.directions).all((2, 3, 4))
     looks = seen.directions[looked].swapaxes(0, 1)
