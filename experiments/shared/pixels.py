@@ -1,6 +1,7 @@
 """Seeing a table by two retinas: one's own eyes are learned by watching one's hands, others are watched from a room."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,16 +20,17 @@ from models.objects.retinas import Retinas, Room
 from models.objects.scene import PARTS
 from models.robots import ROBOTS
 
-WATCHING_COPIES, WATCHING_MINUTES = 16, 8.0
+WATCHING_COPIES, WATCHING_MINUTES = 16, 16.0
 """Of watching one's own hands."""
 EVERY = 12
 """Ticks between two looks at one's hands: less apart they look alike."""
-NECK, ARMS = 0.45, 0.75
-"""Shares of the ranges, about rest, of motors that move the eyes and of all others: hands stay before one's eyes."""
+BEFORE_ONE = 0.5
+"""Share of every motor's range, about rest, that keeps hands before one's eyes."""
 LOOKED = 3
-"""Looks at an act of which one is by pixels, besides close ones; in between, what was last seen stays."""
-USUAL = (0.03, 0.0, -0.08)
-"""m: where something is believed to be that was never seen."""
+"""Looks at an act of which one is by pixels, besides close ones."""
+ROW = 0.03
+"""Greatest difference between rows, focal lengths, of a thing that is looked at: a little of it may be hidden from one
+eye."""
 
 
 def eyes_see(
@@ -70,8 +72,7 @@ class Watching:
 def watch_hands(mind: Mind, image: BodyImage, seed: int, minutes: float = WATCHING_MINUTES) -> OwnEyes:
     """Where things are that one's eyes see, learned by moving one's hands before them."""
     body, motors = load_body(SEATED, copies=WATCHING_COPIES, seed=seed), mind.pilot.motors
-    share = np.where(image.moves[-1], NECK, ARMS)
-    low, high = (motors.rest + share * (end - motors.rest) for end in (motors.low, motors.high))
+    low, high = (motors.rest + BEFORE_ONE * (end - motors.rest) for end in (motors.low, motors.high))
     near = replace(motors, low=low, high=high)
     seen = mirror_babble(body, Watching(body, seed), mind.pilot.schema, near, minutes, seed)
     looked = ~np.isnan(seen.directions).all((2, 3, 4))
@@ -82,40 +83,22 @@ def watch_hands(mind: Mind, image: BodyImage, seed: int, minutes: float = WATCHI
 
 
 def pixels(eyes: OwnEyes, image: BodyImage, every: int = LOOKED) -> Look:
-    """Hands and forehead are where the body image foretells them for the felt posture; a and b where one's eyes show.
-
-    What is hidden, or not looked at, stays where it was last seen; what has no other part that shows (a panel is its
-    own lamp) has both where the one is.
-    """
-    sight = _Sight(eyes, every)
+    """Hands and forehead are where the body image foretells them for the felt posture; a and b where one's eyes show,
+    NaN where they do not, or where one does not look."""
+    opened: dict[str, Any] = {"body": None, "looks": 0}
 
     def look(body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
-        return np.concatenate([places(image, felt), sight.things(body, felt, closely, rng)], 1)
+        if body is not opened["body"]:
+            opened.update(body=body, retinas=Retinas.of(body))
+        opened["looks"] = 0 if body.time == 0 else opened["looks"] + 1
+        things = np.full((body.copies, 2, 3), np.nan)
+        if closely or opened["looks"] % every == 0:
+            each = zip(body.configuration, body.laid, strict=True)
+            seen = np.stack([eyes_see(opened["retinas"], q, rng, laid, cut=True)[:, PARTS:] for q, laid in each], 1)
+            things = eyes.locate(seen, felt, ROW)
+        return np.concatenate([places(image, felt), things], 1)
 
     return look
-
-
-class _Sight:
-    """What is remembered between looks."""
-
-    def __init__(self, eyes: OwnEyes, every: int) -> None:
-        self._eyes, self._every = eyes, every
-        self._body: PlayBody | None = None
-
-    def things(self, body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
-        """(B, 2, 3) a and b."""
-        if body is not self._body:
-            self._body, self._retinas = body, Retinas.of(body)
-        if body.time == 0:
-            self._last, self._looks, closely = np.full((body.copies, 2, 3), np.nan), 0, True
-        self._looks += 1
-        if closely or self._looks % self._every == 0:
-            each = zip(body.configuration, body.laid, strict=True)
-            seen = np.stack([eyes_see(self._retinas, q, rng, laid, cut=True)[:, PARTS:] for q, laid in each], 1)
-            now = self._eyes.locate(seen, felt)
-            self._last = np.where(np.isnan(now), self._last, now)
-        known = np.where(np.isnan(self._last), self._last[:, ::-1], self._last)
-        return np.where(np.isnan(known), USUAL, known)
 
 
 def film(

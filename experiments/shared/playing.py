@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -31,10 +32,14 @@ EVERY = 15
 """Ticks between two looks at what is done."""
 AFTER_S = 0.3
 """How long it waits to see what has become of it."""
+BESIDE = 0.04
+"""m across from b where what vanishes went into it."""
+USUAL = (0.03, 0.0, -0.08)
+"""m: where something is believed to be that was never seen."""
 
 Look = Callable[[PlayBody, FloatArray, bool, np.random.Generator], FloatArray]
 """Of a body, its (B, F) felt postures, and whether one looks closely, (B, 5, 3) m where hands, forehead, a and b are
-seen."""
+seen; NaN for what is hidden."""
 
 
 def points(noise: float = SEEING_M) -> Look:
@@ -134,8 +139,8 @@ class Player:
         felt = body.reset()
         count, begin = body.copies, joints.felt(felt)[:, schema.posture]
         looks, true, signal = [self.look(body, begin, True, rng)], [body.places], [body.signal]
-        low = np.full(count, body.table - MIDDLE[2] + LOW)
-        thing = Thing(*_seen(looks[0]), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
+        low, first = np.full(count, body.table - MIDDLE[2] + LOW), remembered(np.array(looks), toy.half[2])[0]
+        thing = Thing(*_seen(first), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
         planned = plan(thing, which, aims)
         ways, missed = postures(self.image, planned.places, begin)
         waiting = round(AFTER_S / tick)
@@ -172,7 +177,7 @@ class Player:
             if keep or number == len(path) - 2:
                 configurations.append(body.configuration)
         at = [0, *(n for n in range(1, len(path)) if looked_at(n, len(path)))]
-        eyes, world, shone = np.array(looks), np.array(true), np.array(signal)
+        eyes, world, shone = remembered(np.array(looks), toy.half[2]), np.array(true), np.array(signal)
         return Tried(
             tick,
             which,
@@ -191,6 +196,23 @@ class Player:
 def looked_at(tick: int, ticks: int) -> bool:
     """Whether there is a look after so many of `ticks` ticks."""
     return tick % EVERY == 0 or tick == ticks - 1
+
+
+def remembered(looks: FloatArray, foot: float) -> FloatArray:
+    """(T, B, 5, 3) without gaps: what is hidden is believed to be where it was seen last; but what vanished beside
+    the other part, once all is done, in it, on its foot (m, half the height of b). What has no other part that shows
+    has both where the one is; what was never seen is where things usually are."""
+    filled, (a, b) = looks.copy(), (PARTS, PARTS + 1)
+    for one, other in ((a, b), (b, a)):
+        filled[0, :, one] = np.where(np.isnan(looks[0, :, one]), looks[0, :, other], looks[0, :, one])
+    filled[0] = np.where(np.isnan(filled[0]), USUAL, filled[0])
+    for before, now in pairwise(filled):
+        now[:] = np.where(np.isnan(now), before, now)
+    if len(looks) > 1:
+        away = np.linalg.norm((filled[-1, :, a] - filled[-1, :, b])[:, :2], axis=1)
+        inside = np.isnan(looks[-1, :, a, 0]) & ~np.isnan(looks[:, :, b, 0]).all(0) & (away < BESIDE)
+        filled[-1, inside, a] = filled[-1, inside, b] - (0, 0, foot)
+    return filled
 
 
 def _seen(look: FloatArray) -> tuple[FloatArray, FloatArray]:
