@@ -1,7 +1,6 @@
 """Seeing a table by two retinas: one's own eyes are learned by watching one's hands, others are watched from a room."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -85,16 +84,18 @@ def watch_hands(mind: Mind, image: BodyImage, seed: int, minutes: float = WATCHI
 def pixels(eyes: OwnEyes, image: BodyImage, every: int = LOOKED) -> Look:
     """Hands and forehead are where the body image foretells them for the felt posture; a and b where one's eyes show,
     NaN where they do not, or where one does not look."""
-    opened: dict[str, Any] = {"body": None, "looks": 0}
+    before: tuple[PlayBody, Retinas] | None = None
+    looks = 0
 
     def look(body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
-        if body is not opened["body"]:
-            opened.update(body=body, retinas=Retinas.of(body))
-        opened["looks"] = 0 if body.time == 0 else opened["looks"] + 1
+        nonlocal before, looks
+        if before is None or before[0] is not body:
+            before = body, Retinas.of(body)
+        looks = 0 if body.time == 0 else looks + 1
         things = np.full((body.copies, 2, 3), np.nan)
-        if closely or opened["looks"] % every == 0:
+        if closely or looks % every == 0:
             each = zip(body.configuration, body.laid, strict=True)
-            seen = np.stack([eyes_see(opened["retinas"], q, rng, laid, cut=True)[:, PARTS:] for q, laid in each], 1)
+            seen = np.stack([eyes_see(before[1], q, rng, laid, cut=True)[:, PARTS:] for q, laid in each], 1)
             things = eyes.locate(seen, felt, ROW)
         return np.concatenate([places(image, felt), things], 1)
 
