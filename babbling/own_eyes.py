@@ -34,6 +34,8 @@ OUTLIER: Final = 2.5
 ROUNDS: Final = 8
 PRIOR: Final = 400.0
 """1/m^2: W ~ N(0, I / PRIOR), for the distance of one's eyes, which is what R's entries are told in, is some 5 cm."""
+BEYOND: Final = 0.03
+"""rad."""
 LEAST_VARIANCE: Final = 1e-12
 """m^2."""
 
@@ -48,6 +50,10 @@ class OwnEyes(OfOneBody):
     """(n,) posture senses that move the eyes."""
     centre: Annotated[FloatArray, Numbers("eye_joint", "rad")]
     """(n,) their middles."""
+    low: Annotated[FloatArray, Numbers("eye_joint", "rad")]
+    """(n,) least of them in which hands were watched: beyond, nothing is believed."""
+    high: Annotated[FloatArray, Numbers("eye_joint", "rad")]
+    """(n,) greatest."""
     weights: Annotated[FloatArray, Numbers("coordinate:3 sight")]
     """(3, 3^n * 4) W', m; the harmonics slowest."""
     noise: Annotated[float, Numbers(unit="m", low=0)]
@@ -62,10 +68,12 @@ class OwnEyes(OfOneBody):
             postures: (N, F) felt.
             row: greatest |v - v'| of what is not half hidden.
 
-        Returns: (N, K, 3) m, NaN unseen.
+        Returns: (N, K, 3) m, NaN unseen, or in a posture in which hands were never watched.
         """
-        phi = harmonic_products(postures[:, self.joints] - self.centre)
-        return np.asarray(_products(phi[:, None], sights(seen, row)) @ self.weights.T)
+        held = postures[:, self.joints]
+        found = _products(harmonic_products(held - self.centre)[:, None], sights(seen, row)) @ self.weights.T
+        known = ((held >= self.low - BEYOND) & (held <= self.high + BEYOND)).all(1)
+        return np.where(known[:, None, None], found, np.nan)
 
 
 def sights(seen: FloatArray, row: float = ROW) -> FloatArray:
@@ -92,8 +100,9 @@ def learn_own_eyes(
     Raises:
         BabblingError: hands that were hardly ever seen.
     """
-    phi = harmonic_products(postures[:, head.joints] - head.centre)
-    x = _products(phi[:, None], sights(seen))
+    held = postures[:, head.joints]
+    x = _products(harmonic_products(held - head.centre)[:, None], sights(seen))
+    watched = held[np.isfinite(x.sum(-1)).any(-1)]
     x, y = x.reshape(-1, 1, x.shape[-1]), places.reshape(-1, 1, 3)
     count, least = int(np.isfinite(x.sum(-1)).sum()), 2 * x.shape[-1]
     if count < least:
@@ -107,7 +116,10 @@ def learn_own_eyes(
         fit, variance = sums.fit_with_noise(PRIOR, LEAST_VARIANCE)
         missed = ((y - fit.mean(x)) ** 2).sum(-1)
         keep = missed < OUTLIER**2 * 3 * variance
-    return OwnEyes(fingerprint, head.joints, head.centre, fit.coefficients[0].copy(), float(np.sqrt(variance)))
+    return OwnEyes(
+        fingerprint, head.joints, head.centre, watched.min(0), watched.max(0), fit.coefficients[0].copy(),
+        float(np.sqrt(variance)),
+    )  # fmt: skip
 
 
 def _products(phi: FloatArray, sight: FloatArray) -> FloatArray:

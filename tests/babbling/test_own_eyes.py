@@ -74,3 +74,10 @@ def test_half_hidden_hands_do_not_spoil_the_law() -> None:
 def test_too_few_sights_are_refused() -> None:
     with pytest.raises(BabblingError, match="seen 200 times; 216 at least"):
         learned(count=100)
+
+
+def test_nothing_is_believed_in_postures_in_which_hands_were_never_watched() -> None:
+    eyes, (postures, things) = learned(), scene(4)
+    postures[1, JOINTS[1]], postures[2, 1] = 0.5, 2.0  # one moves the eyes, one does not
+    found = eyes.locate(shown(things, postures), postures)
+    np.testing.assert_array_equal(np.isnan(found).all((1, 2)), [False, True, False, False])
