@@ -16,7 +16,7 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.body import OfOneBody
 from babbling.body_image import PartImage, harmonic_products
 from babbling.errors import BabblingError
@@ -72,7 +72,7 @@ class OwnEyes(OfOneBody):
         """
         held = postures[:, self.joints]
         found = _products(harmonic_products(held - self.centre)[:, None], sights(seen, row)) @ self.weights.T
-        known = ((held >= self.low - BEYOND) & (held <= self.high + BEYOND)).all(1)
+        known: BoolArray = np.asarray(((held >= self.low - BEYOND) & (held <= self.high + BEYOND)).all(1))
         return np.where(known[:, None, None], found, np.nan)
 
 
