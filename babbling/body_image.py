@@ -162,13 +162,13 @@ def _learned(
     sums = Regression(1, size, 3)
     for start in range(0, ticks, 10 * AVERAGED):
         block = slice(start, min(start + 10 * AVERAGED, ticks))
-        phi = _features(q[block].reshape(-1, q.shape[-1])[:, joints] - middle[joints])
+        phi = harmonic_products(q[block].reshape(-1, q.shape[-1])[:, joints] - middle[joints])
         phi = phi.reshape(-1, AVERAGED, q.shape[1], size).mean(1).reshape(-1, 1, size)
         sums.observe(phi, seen[block].reshape(-1, AVERAGED, q.shape[1], 3).mean(1).reshape(-1, 1, 3))
     fit, variance = sums.fit_with_noise(prior=1.0, least=LEAST_VARIANCE)
     variance *= AVERAGED
     image = PartImage(joints, middle[joints], fit.coefficients[0].T.copy(), float(variance**0.5))
-    unknown = fit.doubt(_features(library[:, joints] - middle[joints])[:, None])[:, 0]
+    unknown = fit.doubt(harmonic_products(library[:, joints] - middle[joints])[:, None])[:, 0]
     return image, variance * (1 + unknown / AVERAGED)
 
 
@@ -178,8 +178,8 @@ def _harmonics(away: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.stack([one, sine, 1 - cosine], -1), np.stack([0 * one, cosine, sine], -1)
 
 
-def _features(away: FloatArray) -> FloatArray:
-    """(N, 3^n) products of harmonics, the first joint's slowest."""
+def harmonic_products(away: FloatArray) -> FloatArray:
+    """(N, 3^n) phi of (N, n) angles from the middle, the first joint's slowest."""
     phi = np.ones((len(away), 1))
     for basis in _harmonics(away)[0]:
         phi = (phi[:, :, None] * basis[:, None, :]).reshape(len(away), -1)

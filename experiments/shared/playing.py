@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -36,15 +37,20 @@ TICK_S = 0.02
 TICKS = 1 + round((sum(WAYS_S) + AFTER_S) / TICK_S)
 LOOKED_AT = tuple(tick for tick in range(TICKS) if tick % EVERY == 0 or tick == TICKS - 1)
 """Ticks at which one looks."""
+BESIDE = 0.04
+"""m across from b where what vanishes went into it."""
+USUAL = (0.03, 0.0, -0.08)
+"""m: where something is believed to be that was never seen."""
 
-Look = Callable[[PlayBody, np.random.Generator], FloatArray]
-"""(B, 5, 3) m where hands, forehead, a and b are seen; NaN for what is hidden."""
+Look = Callable[[PlayBody, FloatArray, bool, np.random.Generator], FloatArray]
+"""Of a body, its (B, F) felt postures, and whether one looks closely, (B, 5, 3) m where hands, forehead, a and b are
+seen; NaN for what is hidden."""
 
 
 def points(noise: float = SEEING_M) -> Look:
     """Everything is seen as a point, with noise."""
 
-    def look(body: PlayBody, rng: np.random.Generator) -> FloatArray:
+    def look(body: PlayBody, felt: FloatArray, closely: bool, rng: np.random.Generator) -> FloatArray:
         true = body.places
         return np.asarray(true + noise * rng.standard_normal(true.shape))
 
@@ -130,10 +136,10 @@ class Player:
         schema, tick, joints, toy = self.mind.pilot.schema, body.tick_s, Joints(self.hung, body), body.toy
         assert toy is not None
         felt = body.reset()
-        looks, true, signal = [self.look(body, rng)], [body.places], [body.signal]
         count, begin = body.copies, joints.felt(felt)[:, schema.posture]
-        low = np.full(count, body.table - MIDDLE[2] + LOW)
-        thing = Thing(*_seen(looks[0]), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
+        looks, true, signal = [self.look(body, begin, True, rng)], [body.places], [body.signal]
+        low, first = np.full(count, body.table - MIDDLE[2] + LOW), remembered(np.array(looks), toy.half[2])[0]
+        thing = Thing(*_seen(first), np.tile(toy.half, (count, 1)), np.full(count, toy.ends), low)
         planned = plan(thing, which, aims)
         ways, missed = postures(self.image, planned.places, begin)
         waiting = round(AFTER_S / tick)
@@ -148,8 +154,9 @@ class Player:
         touch, angles, configurations = [body.senses.read(felt, "touch")], [body.joint_angles], [body.configuration]
         for number in range(len(path) - 1):
             if number == half_way:
-                here = places(self.image, joints.felt(felt)[:, schema.posture])
-                left = again(planned, thing, which, here, self.look(body, rng)[:, PARTS:])
+                now = joints.felt(felt)[:, schema.posture]
+                seen = self.look(body, now, True, rng)
+                left = again(planned, thing, which, places(self.image, now), seen[:, PARTS:])
                 ways, more = postures(self.image, left, ways[LOOK_AGAIN - 1])
                 missed = np.maximum(missed, more)
                 path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOK_AGAIN:], path[number], tick)
@@ -164,10 +171,11 @@ class Player:
             touch.append(body.senses.read(felt, "touch"))
             angles.append(body.joint_angles)
             if number + 1 in LOOKED_AT:
-                looks.append(self.look(body, rng))
+                now, last = joints.felt(felt)[:, schema.posture], number == len(path) - 2
+                looks.append(self.look(body, now, last, rng))
             if keep or number == len(path) - 2:
                 configurations.append(body.configuration)
-        eyes, world, shone = np.array(looks), np.array(true), np.array(signal)
+        eyes, world, shone = remembered(np.array(looks), toy.half[2]), np.array(true), np.array(signal)
         return Tried(
             tick,
             which,
@@ -181,6 +189,23 @@ class Player:
             np.concatenate([grips * body.grip_n[:, None], np.zeros((1, count, 2))]),
             np.array(configurations),
         )
+
+
+def remembered(looks: FloatArray, foot: float) -> FloatArray:
+    """(T, B, 5, 3) without gaps: what is hidden is believed to be where it was seen last; but what vanished beside
+    the other part, once all is done, in it, on its foot (m, half the height of b). What has no other part that shows
+    has both where the one is; what was never seen is where things usually are."""
+    filled, (a, b) = looks.copy(), (PARTS, PARTS + 1)
+    for one, other in ((a, b), (b, a)):
+        filled[0, :, one] = np.where(np.isnan(looks[0, :, one]), looks[0, :, other], looks[0, :, one])
+    filled[0] = np.where(np.isnan(filled[0]), USUAL, filled[0])
+    for before, now in pairwise(filled):
+        now[:] = np.where(np.isnan(now), before, now)
+    if len(looks) > 1:
+        away = np.linalg.norm((filled[-1, :, a] - filled[-1, :, b])[:, :2], axis=1)
+        inside = np.isnan(looks[-1, :, a, 0]) & ~np.isnan(looks[:, :, b, 0]).all(0) & (away < BESIDE)
+        filled[-1, inside, a] = filled[-1, inside, b] - (0, 0, foot)
+    return filled
 
 
 def _seen(look: FloatArray) -> tuple[FloatArray, FloatArray]:

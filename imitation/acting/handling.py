@@ -49,7 +49,7 @@ def again(planned: Plan, thing: Thing, which: IntArray, palms: FloatArray, now: 
         thing: as it was seen before.
         which: (N,) primitives.
         palms: (N, P, 3) where one's parts are, by the learned image.
-        now: (N, 2, 3) a and b as they are seen now.
+        now: (N, 2, 3) a and b as they are seen now; of what is hidden (NaN) it is believed that all is as it was meant.
     """
     left = planned.places[LOOK_AGAIN:].copy()
     rows = np.flatnonzero(np.isin(which, [NAMES.index("carry"), NAMES.index("carry and push")]))
@@ -57,5 +57,5 @@ def again(planned: Plan, thing: Thing, which: IntArray, palms: FloatArray, now: 
     meant = thing.a[rows] - planned.places[TOUCH, rows, hand]
     hangs = now[rows, 0] - palms[rows, hand]
     shift = np.clip((now[rows, 1] - thing.b[rows]) - (hangs - meant), -MOST_SHIFT, MOST_SHIFT) * (1, 1, 0)
-    left[:, rows, hand] += shift
+    left[:, rows, hand] += np.nan_to_num(shift)
     return left

@@ -143,7 +143,7 @@ WAIST_HEIGHT: Final = 0.2
 """m, waist axis above the floor on its seat; the top of a table before it is level with it."""
 
 SEATED_DEG: Final = MappingProxyType(
-    {"head_joint_2": 50.0}
+    {"head_joint_2": 15.0}
     | {
         joint: angle
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True)

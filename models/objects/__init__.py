@@ -33,6 +33,8 @@ class Toy:
     """Whether `a` and `b` are two ends of one thing, one for each hand."""
     on: float = 0.0015
     """m that its switch is pressed in when it shines or buzzes."""
+    glows: bool = False
+    """Whether it can be seen that it is on: then `a` is its lamp."""
     stiction: tuple[float, float] = (1.0, 1.0)
     """N of dry friction that holds it together: least and most, log-uniform over copies."""
 
@@ -59,7 +61,13 @@ _ALL: Final[dict[str, dict[str, Any]]] = {
         "half": (0.032, 0.032, 0.032),
         "stiction": (1.25, 15.0),
     },
-    "panel": {"about": "a touch lights it", "kind": "panel", "half": (0.042, 0.004, 0.004), "state": lit},
+    "panel": {
+        "about": "a touch lights it",
+        "kind": "panel",
+        "half": (0.042, 0.004, 0.004),
+        "state": lit,
+        "glows": True,
+    },
     "box": {
         "about": "a stick reaches a recessed button, which buzzes",
         "kind": "box",

@@ -47,6 +47,12 @@ class Specimens:
         return found
 
 
+def pieces(model: mujoco.MjModel) -> list[int]:
+    """Bodies of the object that stand on the table by themselves."""
+    on_table = (body for body in range(1, model.nbody) if model.body_parentid[body] == 0)
+    return [body for body in on_table if model.body(body).name.startswith(PREFIX)]
+
+
 class PlayBody(SimulatedBody):
     """`SimulatedBody` on its seat before an object; wired as ever; its palms hold as hard as they are told to.
 
@@ -78,7 +84,7 @@ class PlayBody(SimulatedBody):
         model = seated(robot, seat, toy, table).compile()
         self.table = seat.table * robot.size if table is None else table
         """m, height of its top."""
-        self.seat, self.toy, self.busy, self._specimens = seat, toy, busy, specimens
+        self.robot, self.seat, self.toy, self.busy, self._specimens = robot, seat, toy, busy, specimens
         self._further = further
         self._points: FloatArray | None = None
         super().__init__(model, sensors=tuple(f"{part}_touch" for part in seat.parts), **how)
@@ -89,8 +95,7 @@ class PlayBody(SimulatedBody):
         self._points = self.batch.bind("site_xpos")
         names = [model.joint(j).name for j in range(model.njnt)]
         self._joints = {name.removeprefix(PREFIX): model.joint(name) for name in names if name.startswith(PREFIX)}
-        on_table = (body for body in range(1, model.nbody) if model.body_parentid[body] == 0)
-        self._pieces = [body for body in on_table if model.body(body).name.startswith(PREFIX)]
+        self._pieces = pieces(model)
         numerics = [model.numeric(i).name for i in range(model.nnumeric)]
         self._together = f"{PREFIX}together" in numerics
         self.stiction = self.grip_n = np.zeros(self.copies)
@@ -175,6 +180,13 @@ class PlayBody(SimulatedBody):
     def configuration(self) -> FloatArray:
         """(B, nq) of the model now, the object included: to draw it."""
         return np.array(self.batch.qpos)
+
+    @property
+    def laid(self) -> FloatArray:
+        """(B, pieces, 7) place, m, and turn of every piece as it was set out: to draw it."""
+        if self.toy is None:
+            return np.empty((self.copies, 0, 7))
+        return np.array([[np.concatenate(piece) for piece in places] for places in self._where])
 
     def _placed(self, rng: np.random.Generator) -> list[tuple[FloatArray, FloatArray]]:
         """Place and turn of every piece, drawn until separate ones are clear of each other."""

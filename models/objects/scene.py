@@ -23,6 +23,15 @@ PARTS: Final = 3
 """Two hands and a forehead."""
 TOUCHED: Final = ("a", "b")
 """Sites that every object has."""
+MARKED: Final = ((1.0, 0.05, 0.9), (0.08, 0.25, 1.0), (0.0, 0.9, 0.1))
+"""Red, green, blue of what the parts are seen by: fingers of the left and the right hand, a patch on the forehead."""
+OFF, LIT = (1.0, 0.45, 0.0), (1.0, 0.85, 0.0)
+"""Of a light that is off, as any `a`, and on."""
+PATCH_M: Final = 0.011
+"""m, radius of the patch."""
+SEEN_ONLY: Final = 8
+"""Contact bit of what only eyes meet: nothing answers to it. Rays miss a body's geoms outside the box of its geoms that
+may touch (MuJoCo 3.17), so these say that they may."""
 
 
 def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None) -> mujoco.MjSpec:
@@ -37,6 +46,7 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
         geom.contype, geom.conaffinity = (HAND, THING) if touches else (0, 0)
         if geom.name in seat.holding:
             geom.gap = GRASP_M
+    mark(spec, seat)
     for exclude in list(spec.excludes):
         spec.delete(exclude)
     top = seat.table * robot.size if table is None else table
@@ -54,8 +64,32 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
         _bindable(spec, part, hand)
     if toy is not None:
         object_ = read(toy)
+        _show(object_)
         spec.attach(object_, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=(0, 0, top)))
     return spec
+
+
+def mark(spec: mujoco.MjSpec, seat: Seat) -> None:
+    """Give a robot the colours its parts are seen by, and make everything else of it grey."""
+    for geom in spec.geoms:
+        geom.rgba[:3] = geom.rgba[:3].mean()
+    for colour, hand in zip(MARKED, seat.hands, strict=False):
+        for geom in spec.body(hand).geoms:
+            if geom.name.endswith("finger_visual"):
+                geom.rgba[:3] = colour
+    forehead = spec.site(seat.parts[-1])
+    forehead.parent.add_geom(
+        name="forehead_patch", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(PATCH_M, 0, 0), pos=forehead.pos, group=2,
+        mass=0, rgba=(*MARKED[-1], 1), contype=0, conaffinity=0,
+    )  # fmt: skip
+    _show(spec)
+
+
+def _show(spec: mujoco.MjSpec) -> None:
+    """See `SEEN_ONLY`."""
+    for geom in spec.geoms:
+        if geom.group < 3 and not geom.contype and not geom.conaffinity:
+            geom.contype = SEEN_ONLY
 
 
 PREFIX: Final = "toy_"
