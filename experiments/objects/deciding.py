@@ -77,7 +77,7 @@ def respond(
     hands: int = 0, keep: bool = False,
     otherwise: FloatArray | None = None, further: float = 0.0,
 ) -> Response:  # fmt: skip
-    """N imitators with the same play act, each on a specimen of its own, until their goal is reached or time is up.
+    """N imitators with the same play act, each on one specimen, until their goal is reached or time is up.
 
     Args:
         child: whose mind and play they have.
@@ -105,7 +105,7 @@ def respond(
         chosen = inverse.rule(weights[going, None], play.outcomes.action, rng)[:, 0].astype(int)
         aim = np.where(goals[going] == UNSEEN, play.practised(kind)[chosen], goals[going])
         body = at_table(toy, len(going), busy=hands == HANDS.index("busy"), further=further)
-        body.set_out(IMITATORS + first + act * count)
+        body.set_out((IMITATORS + first + going).tolist())
         tried = player.tries(body, chosen, aims(play, kind, chosen, aim, "mean", rng), rng, keep=keep)
         came = TOYS[toy].state(tried.true)
         primitives[going, act], states[going, act] = chosen, came

@@ -101,7 +101,7 @@ class Studied:
             "outcome_calibration_error_of_play": float(own[:, 0].mean()),
             "outcome_gain_bits": float(gain.mean()),
             "outcome_gain_bits_interval": spread(gain),
-            **rates("recognition", {"points": self.all("recognised")}, flat=True),
+            **rates("recognition", {key: self.all(f"by_{key}") for key in ("points", "pixels")}, flat=True),
             "new_object": shares,
             "new_object_ratio": first / max(tried, 1e-9),
             **rates("head_touch", self.heads),

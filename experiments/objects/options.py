@@ -36,6 +36,8 @@ class Config(Options):
     """How it is seen: live from across the table; a week before, recalled in a new process; in another room (place of
     the eyes, height of the table); on television (one image, no depth); done by a smaller peer; not at all; only
     handled."""
+    seeing: Literal["points", "pixels"] = "points"
+    """How the teacher is seen: as points with 3 mm of noise, or on images of two cameras (one for television)."""
     play: ToRead | None = None
     """What the imitator learned in play (`imitate play`); without one it plays for 64 body-minutes first."""
     further_m: Annotated[float, within(-0.05, 0.5, "m")] = 0.0

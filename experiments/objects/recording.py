@@ -14,6 +14,7 @@ from experiments.shared.playing import TICK_S, Tried, at_table
 from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
+from models.objects.playing import lay
 from models.objects.states import STATES, Watched
 from models.shapes import parts
 
@@ -55,6 +56,7 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
     """All its acts, one after the other."""
     tries, toy = done.response.tried, done.config.object
     body = at_table(toy, 1, further=done.config.further_m)
+    lay(body.model, tries[0].laid[0])
     whole = np.concatenate([tried.configurations[:, 0] for tried in tries])
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
@@ -96,6 +98,7 @@ def _log_teacher(stream: rr.RecordingStream, done: Done) -> None:
     assert done.act is not None
     row = int(done.act.rows[0])
     shown = at_table(done.config.object, 1, robot=done.act.robot, table=done.act.table, further=done.config.further_m)
+    lay(shown.model, done.act.tried.laid[row])
     moved = done.act.tried.configurations[:, row]
     offset = (0.0, BESIDE, 0.0)
     log_body(stream, "world/teacher", parts(shown.model, moved), TICK_S, offset=offset, tint=DEMONSTRATED)

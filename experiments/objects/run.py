@@ -51,7 +51,7 @@ def run(config: Config) -> Result:
         state = None if goal < 0 or config.condition == "handled" else STATES[goal]
         table = ROOM_TABLE_M if config.condition == "room" else None
         act = demonstrated(teacher, config.object, doing, state, 1, config.seed, table=table, further=far, keep=True)
-        seen = watched(act, config.condition, rng)
+        seen = watched(act, config.condition, rng, config.seeing)
         [memory] = remembered(child.play, config.object, seen)
     how = config.object, config.acts, config.selection
     if config.condition == "week" and memory is not None:
@@ -87,7 +87,7 @@ def study(config: Config) -> Result:
     """Every figure, over agents and plays."""
     plays = [meet(path) for path in config.plays] or [who(config)]
     each = ceil(config.agents / len(plays))
-    parts = ("tables", "success", "new", "apart", *HEADS)
+    parts = ("tables", "filmed", "success", "new", "apart", *HEADS)
     one = Task("", plays[0], plays[0], 0, each, config.acts, config.selection, config.seed)
     tasks = [
         replace(one, part=part, child=child, teacher=plays[(n + 1) % len(plays)], number=n)
@@ -105,7 +105,8 @@ def study(config: Config) -> Result:
         ),
         ("tables of 8 tries a cell: calibration error", f"{metrics['outcome_calibration_error']:.3f}"),
         ("the same: gain over the kind alone", f"{metrics['outcome_gain_bits']:.2f} bits"),
-        ("another's primitive recognised", f"{metrics['recognition_points']:.1%}"),
+        ("another's primitive recognised, points", f"{metrics['recognition_points']:.1%}"),
+        ("another's primitive recognised, pixels", f"{metrics['recognition_pixels']:.1%}"),
         ("new object, first try / after own play", f"{metrics['new_object_ratio']:.2f}"),
         *((f"head touch, {name}", percent(metrics, "head_touch", name)) for name in metrics["head_touch"]),
     ]

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.forward_model import ForwardModel
 from babbling.play import Play
 from experiments.objects.deciding import UNSEEN, decide, remembered, respond
-from experiments.objects.showing import ROOM_TABLE_M, demonstrated, watched
+from experiments.objects.showing import ROOM_TABLE_M, demonstrated, performed, watched
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born
 from experiments.shared.judging import calibration_error
@@ -41,8 +41,23 @@ NEW = {"wide-dumbbell": "apart", "square": "joined"}
 OWN_ROUNDS = 6
 """Rounds of play with those two, for comparison."""
 PEER_MINUTES = 3.0
-HEADS = ("live", "week", "room", "television", "peer", "none", "handled", "mimic", "emulate")
+HEADS = ("live", "week", "room", "television", "peer", "pixels", "television by pixels",
+         "none", "handled", "mimic", "emulate")
+    "live",
+    "week",
+    "room",
+    "television",
+    "peer",
+    "pixels",
+    "television by pixels",
+    "none",
+    "handled",
+    "mimic",
+    "emulate",
+)
 """Conditions; the last two are peers, who do the movement that was seen, or bring the light about."""
+FILMED = 8
+"""Different acts that are filmed: agents share them."""
 JUDGED = 7_000_000
 """Specimens from here on judge."""
 
@@ -65,9 +80,8 @@ class Task:
 
 def measured(task: Task) -> dict[str, Any]:
     """What one part finds."""
-    return {"success": success, "apart": apart, "tables": tables, "new": new, **dict.fromkeys(HEADS, head)}[task.part](
-        task
-    )
+    parts = {"success": success, "apart": apart, "tables": tables, "filmed": by_pixels, "new": new}
+    return (parts | dict.fromkeys(HEADS, head))[task.part](task)
 
 
 def specimens(task: Task, part: int) -> int:
@@ -131,7 +145,7 @@ def tables(task: Task) -> dict[str, Any]:
         play.outcomes.contexts, play.outcomes.action, play.outcomes.outcome, prior_strength=play.outcomes.prior_strength
     )
     held: list[tuple[IntArray, ...]] = []
-    right = list[IntArray]()
+    right = list[BoolArray]()
     for number, thing in enumerate(PLAYED):
         toy, _, hands = thing.partition(":")
         kind, count = play.kinds.index(TOYS[toy].kind), len(NAMES) * (CELL + TEST)
@@ -155,8 +169,20 @@ def tables(task: Task) -> dict[str, Any]:
         "table": scored(model.predictive[0, kinds, hand, acts], came),
         "kind_alone": scored((usual / usual.sum(-1, keepdims=True))[kinds, hand], came),
         "of_play": scored(play.outcomes.predictive[0, kinds, hand, acts], came),
-        "recognised": np.concatenate(right),
+        "by_points": np.concatenate(right),
     }
+
+
+def by_pixels(task: Task) -> dict[str, Any]:
+    """Recognising by two retinas what a teacher does, one act of every primitive with every kind of thing."""
+    right, which = list[BoolArray](), np.arange(len(NAMES))
+    play, teacher = task.child.play, task.teacher
+    for number, toy in enumerate(thing for thing in PLAYED if ":" not in thing):
+        kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([task.seed, task.number, 50 + number])
+        act = performed(teacher, toy, which, specimens(task, 50 + number))
+        seen = watched(act, "live", rng, "pixels")
+        right.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == which)
+    return {"by_pixels": np.concatenate(right)}
 
 
 def scored(probability: FloatArray, came: IntArray) -> FloatArray:
@@ -210,12 +236,15 @@ def head(task: Task) -> dict[str, Any]:
 def remembered_head(task: Task, rng: np.random.Generator) -> tuple[list[ActMemory], int]:
     """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel; and what it was."""
     condition, seed = task.part, 1000 + 10 * task.number + task.seed
-    view = condition if condition in ("room", "television") else "live"
+    view = next((one for one in ("room", "television") if condition.startswith(one)), "live")
+    seeing = "pixels" if "pixels" in condition else "points"
     act = "lift with both" if condition == "handled" else "press with the head"
     teacher = peer(seed, task.child) if condition == "peer" else task.teacher
     state, table = None if condition == "handled" else "lit by head", ROOM_TABLE_M if condition == "room" else None
-    shown = demonstrated(teacher, "panel", act, state, task.agents, seed, table=table)
-    return remembered(task.child.play, "panel", watched(shown, view, rng)), NAMES.index(act)
+    count = task.agents if seeing == "points" else min(FILMED, task.agents)
+    shown = demonstrated(teacher, "panel", act, state, count, seed, table=table, keep=seeing == "pixels")
+    memories = remembered(task.child.play, "panel", watched(shown, view, rng, seeing))
+    return [memories[n % count] for n in range(task.agents)], NAMES.index(act)
 
 
 def peer(seed: int, like: Child) -> Child:
@@ -223,4 +252,4 @@ def peer(seed: int, like: Child) -> Child:
     robot = "hoap2-seated-small"
     mind, image = born(seed, lambda share: None, None, robot, PEER_MINUTES)
     play = Play.empty(mind.fingerprint, like.play.kinds, NAMES, STATES, like.play.moved.shape[-1])
-    return Child(mind, image, play, robot)
+    return Child(mind, image, play, robot=robot)

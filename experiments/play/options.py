@@ -1,7 +1,7 @@
 """Options of `imitate play`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -20,6 +20,9 @@ class Config(Options):
     things: tuple[str, ...] = ()
     """What to play with (`imitate play --things loop cup`); none named is dumbbell, outsized, panel, panel:busy, box,
     loop and cup, `busy` being hands that are bound."""
+    seeing: Literal["points", "pixels"] = "points"
+    """How things are seen: as points with 3 mm of noise, or by one's own two retinas, which one first learns to use by
+    watching one's hands; a file that is gone on with keeps its own way."""
     forward_model: ToRead | None = None
     """Mind that `imitate babble --robot hoap2-seated` left, instead of babbling."""
     merge: tuple[ToRead, ...] = ()

@@ -1,6 +1,7 @@
 """Children play with things at a table and leave what they learned in a file; interrupted, the same command goes on."""
 
 import time
+from dataclasses import replace
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,9 @@ from babbling.play import HANDS, Play
 from experiments.errors import ExperimentError
 from experiments.play.figures import outcomes
 from experiments.play.options import Config
-from experiments.shared.children import NAMED, Child, beside, born, keep, meet, merged
+from experiments.shared.children import NAMED, Child, beside, born, keep, keep_beside, meet, merged
 from experiments.shared.experiment import as_json, writing
+from experiments.shared.pixels import watch_hands
 from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.progress import progress
 from experiments.shared.rounds import PLAYED, empty, kinds, play_on, round_minutes, usable
@@ -43,8 +45,8 @@ def command(config: Config) -> None:
 
         if child.play.rounds >= rounds:
             print(f"{out} already holds {child.play.minutes:.0f} body-minutes of play; --minutes more go on with it")
-        play = play_on(child.mind, child.image, child.play, things, rounds, config.seed, config.workers, after)
-        child = Child(child.mind, child.image, play)
+        one = child.mind, child.image, child.play, things, rounds, config.seed, config.workers, child.eyes
+        child = replace(child, play=play_on(*one, after))
     metrics = told(child.play) | {"seed": config.seed, "play_wall_s": time.perf_counter() - started}
     out.with_suffix(".json").write_text(as_json(metrics))
     outcomes(child.play).savefig(out.with_suffix(".png"), dpi=130)
@@ -102,9 +104,9 @@ def begin(config: Config, things: tuple[str, ...], out: Path) -> Child:
         return child
     with progress("babbling on the seat") as report:
         mind, image = born(config.seed, report, mind)
-    child = Child(mind, image, empty(mind, things))
-    for what in NAMED:
-        save(getattr(child, what), beside(out, what))
+    eyes = watch_hands(mind, image, config.seed) if config.seeing == "pixels" else None
+    child = Child(mind, image, empty(mind, things), eyes)
+    keep_beside(child, out)
     return child
 
 

@@ -7,15 +7,17 @@ from pathlib import Path
 from babbling.body_image import BodyImage
 from babbling.files import load, save
 from babbling.mind import Mind
+from babbling.own_eyes import OwnEyes
 from babbling.play import Play
 from experiments.errors import ExperimentError
 from experiments.shared.minds import learn_mind
 from experiments.shared.options import BABBLING_MINUTES, BodyOptions
+from experiments.shared.pixels import pixels
 from experiments.shared.playing import SEATED, Player
 from experiments.shared.rounds import look_at_hands
 
-NAMED = {"mind": ".mind.nc", "image": ".image.nc"}
-"""What stands beside a play."""
+NAMED = {"mind": ".mind.nc", "image": ".image.nc", "eyes": ".eyes.nc"}
+"""What stands beside a play; eyes only of one who sees by pixels."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +27,15 @@ class Child:
     mind: Mind
     image: BodyImage
     play: Play
+    eyes: OwnEyes | None = None
+    """What its own eyes show; None for one who sees points."""
     robot: str = SEATED
 
     @property
     def player(self) -> Player:
         """At a table."""
-        return Player(self.mind, self.image, robot=self.robot)
+        look = None if self.eyes is None else pixels(self.eyes, self.image)
+        return Player(self.mind, self.image, look, self.robot)
 
 
 def beside(path: Path, what: str) -> Path:
@@ -53,9 +58,15 @@ def born(
 
 def keep(child: Child, path: Path) -> None:
     """Write all that a child knows; the play last, so that what it needs is there."""
-    for what in NAMED:
-        save(getattr(child, what), beside(path, what))
+    keep_beside(child, path)
     save(child.play, path)
+
+
+def keep_beside(child: Child, path: Path) -> None:
+    """Write what it knew before it played."""
+    for what in NAMED:
+        if getattr(child, what) is not None:
+            save(getattr(child, what), beside(path, what))
 
 
 def meet(path: Path) -> Child:
@@ -66,10 +77,12 @@ def meet(path: Path) -> Child:
     """
     play = load(path, Play)
     mind, image = load(beside(path, "mind"), Mind), load(beside(path, "image"), BodyImage)
-    for one, where in ((mind, beside(path, "mind")), (image, beside(path, "image"))):
-        if one.fingerprint != play.fingerprint:
+    eyes = load(beside(path, "eyes"), OwnEyes) if beside(path, "eyes").exists() else None
+    for what, one in (("mind", mind), ("image", image), ("eyes", eyes)):
+        where = beside(path, what)
+        if one is not None and one.fingerprint != play.fingerprint:
             raise ExperimentError(f"{where}: of another body than {path}; play anew with --forward-model {where}")
-    return Child(mind, image, play)
+    return Child(mind, image, play, eyes)
 
 
 def merged(paths: Sequence[Path]) -> Child:

@@ -86,6 +86,8 @@ class Tried:
     """(T, B, J) true joint angles."""
     grips: FloatArray
     """(T, B, 2) N that palms held with at most."""
+    laid: FloatArray
+    """(B, pieces, 7) see `PlayBody.laid`."""
     configurations: FloatArray
     """(T, B, nq), only where they were asked for; otherwise of the first and last tick."""
 
@@ -187,6 +189,7 @@ class Player:
             path,
             np.array(angles),
             np.concatenate([grips * body.grip_n[:, None], np.zeros((1, count, 2))]),
+            body.laid,
             np.array(configurations),
         )
 

@@ -9,8 +9,10 @@ from babbling.body_image import BodyImage, learn_image
 from babbling.mind import Mind
 from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
+from babbling.own_eyes import OwnEyes
 from babbling.play import HANDS, Play
 from experiments.shared.parallel import in_parallel
+from experiments.shared.pixels import pixels
 from experiments.shared.playing import LOOKED_AT, SEATED, Player, at_table
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
@@ -50,6 +52,7 @@ class Task:
 
     mind: Mind
     image: BodyImage
+    eyes: OwnEyes | None
     play: Play
     thing: str
     number: int
@@ -101,7 +104,8 @@ def played(task: Task) -> Play:
     which[: len(todo)] = rng.permutation(todo)[:COPIES]
     new = rng.random(COPIES) < 1 - task.round / (LEARNING * task.rounds)
     where = aims(play, kind, which, np.where(new, -1, states[which]), "matching", rng)
-    tried = Player(task.mind, task.image).tries(body, which, where, rng)
+    look = None if task.eyes is None else pixels(task.eyes, task.image)
+    tried = Player(task.mind, task.image, look).tries(body, which, where, rng)
     return play.nothing().after(
         kind,
         HANDS.index(hands),
@@ -122,11 +126,12 @@ def play_on(
     rounds: int,
     seed: int,
     workers: int,
+    eyes: OwnEyes | None = None,
     after: Callable[[Play], None] = lambda play: None,
 ) -> Play:
     """From where a play stands to its last round; `after` is told of every round."""
     for number in range(play.rounds, rounds):
-        tasks = [Task(mind, image, play, thing, i, number, rounds, seed) for i, thing in enumerate(things)]
+        tasks = [Task(mind, image, eyes, play, thing, i, number, rounds, seed) for i, thing in enumerate(things)]
         for more in in_parallel(played, tasks, workers, f"round {number + 1} of {rounds}"):
             play = play.merged(more)
         play = replace(play, rounds=number + 1)

@@ -1,5 +1,6 @@
 """A robot that plays: at a table, before an object that every copy of it has its own specimen of."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -35,7 +36,7 @@ class Specimens:
     """N that a palm holds with at full effort."""
     placed: tuple[float, float, float] = PLACED
 
-    def drawn(self, toy: Toy, numbers: range) -> list[dict[str, Any]]:
+    def drawn(self, toy: Toy, numbers: Iterable[int]) -> list[dict[str, Any]]:
         """For each number: mass and friction factors, grip and stiction, N, and a generator for where pieces go."""
         found = []
         for number in numbers:
@@ -51,6 +52,12 @@ def pieces(model: mujoco.MjModel) -> list[int]:
     """Bodies of the object that stand on the table by themselves."""
     on_table = (body for body in range(1, model.nbody) if model.body_parentid[body] == 0)
     return [body for body in on_table if model.body(body).name.startswith(PREFIX)]
+
+
+def lay(model: mujoco.MjModel, laid: Iterable[FloatArray]) -> None:
+    """Stand pieces where `PlayBody.laid` says, one copy's (pieces, 7)."""
+    for piece, place in zip(pieces(model), laid, strict=False):
+        model.body_pos[piece], model.body_quat[piece] = place[:3], place[3:]
 
 
 class PlayBody(SimulatedBody):
@@ -101,11 +108,13 @@ class PlayBody(SimulatedBody):
         self.stiction = self.grip_n = np.zeros(self.copies)
         self.set_out(0)
 
-    def set_out(self, first: int) -> FloatArray:
-        """Specimens `first` and following, each set down somewhere else, everybody at rest; (B, S) sensations."""
+    def set_out(self, first: int | Sequence[int]) -> FloatArray:
+        """Specimens `first` and following, or these B, each set down in a place of its own, everybody at rest; (B, S)
+        sensations."""
         if self.toy is None:
             return self.reset()
-        drawn = self._specimens.drawn(self.toy, range(first, first + self.copies))
+        numbers = range(first, first + self.copies) if isinstance(first, int) else first
+        drawn = self._specimens.drawn(self.toy, numbers)
         self.stiction, self.grip_n = (np.array([one[key] for one in drawn]) for key in ("stiction", "grip"))
         bodies = np.isin(self.model.body_rootid, self._pieces)
         geoms = bodies[self.model.geom_bodyid]

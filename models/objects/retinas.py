@@ -9,7 +9,7 @@ import numpy as np
 from models.arrays import FloatArray
 from models.errors import BodyError
 from models.objects import Toy
-from models.objects.playing import PlayBody, pieces
+from models.objects.playing import PlayBody, lay
 from models.objects.scene import LIT, OFF, PREFIX, seated
 from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
@@ -95,7 +95,7 @@ class Retinas:
         if room is not None:
             model.vis.rgba.haze[:3] = room.wall
         model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = AMBIENT, HEADLIGHT
-        self._data, self._pieces = mujoco.MjData(model), pieces(model)
+        self._data = mujoco.MjData(model)
         cameras, usual = (EYES, OWN) if room is None else (room.cameras, OTHER)
         self.eyes = [open_eye(model, camera, options or usual, renderer) for camera in cameras]
         self._lamp = toy and toy.glows and (model.geom(f"{PREFIX}a").id, int(model.joint(f"{PREFIX}switch").qposadr[0]))
@@ -118,8 +118,7 @@ class Retinas:
         """
         model, data = self._model, self._data
         data.qpos[:] = configuration
-        for piece, place in zip(self._pieces, laid, strict=False):
-            model.body_pos[piece], model.body_quat[piece] = place[:3], place[3:]
+        lay(model, laid)
         if self._lamp:
             geom, switch = self._lamp
             model.geom_rgba[geom, :3] = LIT if configuration[switch] > self._on else OFF
