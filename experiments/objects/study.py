@@ -41,20 +41,9 @@ NEW = {"wide-dumbbell": "apart", "square": "joined"}
 OWN_ROUNDS = 6
 """Rounds of play with those two, for comparison."""
 PEER_MINUTES = 3.0
-HEADS = ("live", "week", "room", "television", "peer", "pixels", "television by pixels",
-         "none", "handled", "mimic", "emulate")
-    "live",
-    "week",
-    "room",
-    "television",
-    "peer",
-    "pixels",
-    "television by pixels",
-    "none",
-    "handled",
-    "mimic",
-    "emulate",
-)
+HEADS = (
+    "live", "week", "room", "television", "peer", "pixels", "television by pixels", "none", "handled", "mimic", "emulate"
+)  # fmt: skip
 """Conditions; the last two are peers, who do the movement that was seen, or bring the light about."""
 FILMED = 8
 """Different acts that are filmed: agents share them."""
