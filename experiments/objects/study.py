@@ -42,7 +42,8 @@ OWN_ROUNDS = 6
 """Rounds of play with those two, for comparison."""
 PEER_MINUTES = 3.0
 HEADS = (
-    "live", "week", "room", "television", "peer", "pixels", "television by pixels", "none", "handled", "mimic", "emulate"
+    "live", "week", "room", "television", "peer", "pixels", "television by pixels", "none", "handled",
+    "mimic", "emulate",
 )  # fmt: skip
 """Conditions; the last two are peers, who do the movement that was seen, or bring the light about."""
 FILMED = 8
