@@ -1,5 +1,6 @@
 """Many tasks at once, each in a process of its own; which process does which makes no difference."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -15,6 +16,7 @@ def in_parallel(work: Callable[[Task], Found], tasks: Sequence[Task], workers: i
     """What `work` makes of every task, in order, with progress under the name `doing`."""
     if workers <= 1:
         return _gathered(map(work, tasks), len(tasks), doing)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for them: threads of every worker would fight for the cores
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         return _gathered(pool.map(work, tasks), len(tasks), doing)
 

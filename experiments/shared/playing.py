@@ -16,6 +16,7 @@ from imitation.acting.loop import Imitator
 from imitation.acting.movement import Movement
 from imitation.acting.primitives import LOOK_AGAIN, WAYS_S, Thing, plan
 from imitation.acting.reaching import places
+from imitation.inference.moving import AveragedInverse
 from models.body import SimulatedBody
 from models.loading import load_body
 from models.objects import TOYS
@@ -31,6 +32,8 @@ LOW = 0.034
 """m over the table at which a palm takes what lies on it: fingers point down a little."""
 EVERY = 15
 """Ticks between two looks at what is done."""
+CANDIDATES = 13
+"""Actions that Eq. (1) weighs for every joint: fewer than in imitating a movement, for hundreds play at once."""
 AFTER_S = 0.3
 """How long it waits to see what has become of it."""
 TICK_S = 0.02
@@ -151,7 +154,8 @@ class Player:
         grips = np.concatenate([grips, np.zeros((waiting, count, 2))])
         half_way = round(sum(WAYS_S[:LOOK_AGAIN]) / tick)
         still = Movement(SEATED, tick, self.hung.sensations(np.tile(self.image.rest, (3, 1))))
-        imitator = Imitator(self.mind, still, farthest=FARTHEST * self.mind.forward_model.habit[1])
+        inverse = AveragedInverse(self.mind.forward_model, trust=self.mind.temper.trust, candidates=CANDIDATES)
+        imitator = Imitator(self.mind, still, inverse=inverse, farthest=FARTHEST * self.mind.forward_model.habit[1])
         state = imitator.start(joints.felt(felt))._replace(targets=_onward(path))
         touch, angles, configurations = [body.senses.read(felt, "touch")], [body.joint_angles], [body.configuration]
         for number in range(len(path) - 1):

@@ -28,8 +28,6 @@ DEEP = 16.0
 """What is so much less probable than the most probable action, nats, lies beyond their ends."""
 FAR = (8.0, 4.0)
 """The first look reaches one and a half times so many of these standard deviations, or so many of the habit's."""
-_EVEN = np.linspace(-1, 1, CANDIDATES)
-_PLACES = Axis("candidate", "1", np.zeros(1), np.array([CANDIDATES - 1.0]), CANDIDATES)
 
 Prior = Callable[[Outlook, FloatArray], FloatArray]
 """What one is used to, for (A, B, F) actions c - q: (A, B, F) log P(a | s, g), up to a constant."""
@@ -84,6 +82,7 @@ class AveragedInverse:
         selection: name of a selection rule.
         trust: (F,) or (B, F) exponent h of the habit; 0 is the uniform prior.
         prior: what replaces the habit.
+        candidates: actions at which the posterior is worked out.
     """
 
     def __init__(
@@ -93,7 +92,10 @@ class AveragedInverse:
         *,
         trust: FloatArray | float = 0.1,
         prior: Prior | None = None,
+        candidates: int = CANDIDATES,
     ) -> None:
+        self._even = np.linspace(-1, 1, candidates)
+        self._places = Axis("candidate", "1", np.zeros(1), np.array([candidates - 1.0]), candidates)
         self.forward_model, self.rule = forward_model, selection_rule(selection)
         self.trust, self.prior = np.asarray(trust, float), prior or self.habit
 
@@ -109,7 +111,7 @@ class AveragedInverse:
         """See `MovingInverse`."""
         model, posture = self.forward_model, here.posture
         outlook = model.at(posture, here.rate, here.echo)
-        last = here.echo.command
+        last, count, even = here.echo.command, len(self._even), self._even[:, None, None]
         slope = np.maximum(np.abs(model.slope), 1e-6)
         near = last - posture + (wanted - outlook.expected(last)) / slope  # the line's answer
         width = 1 / np.sqrt((slope / model.spread) ** 2 + self.trust / model.habit[1] ** 2)
@@ -121,13 +123,13 @@ class AveragedInverse:
                 likelihood = likelihood + term.weight * np.log(np.maximum(term.likelihood(actions), 1e-300))
             return likelihood, self.prior(outlook, actions)
 
-        about = near + COARSE * width * np.sinh(_EVEN[:, None, None] * np.arcsinh(1.5 * reach / (COARSE * width)))
+        about = near + COARSE * width * np.sinh(even * np.arcsinh(1.5 * reach / (COARSE * width)))
         roughly = np.add(*logs(about))
         likely = roughly > roughly.max(0) - DEEP
-        first, last = likely.argmax(0) - 1, CANDIDATES - likely[::-1].argmax(0)  # a place to spare on either side
-        ends = np.clip(np.stack([first, last]), 0, CANDIDATES - 1)
+        first, last = likely.argmax(0) - 1, count - likely[::-1].argmax(0)  # a place to spare on either side
+        ends = np.clip(np.stack([first, last]), 0, count - 1)
         low, high = np.take_along_axis(about, ends, 0)
-        actions = low + (high - low) * (_EVEN[:, None, None] + 1) / 2
+        actions = low + (high - low) * (even + 1) / 2
         likelihood, prior = logs(actions)
         top = likelihood.max(0), prior.max(0)
         weight = np.exp(prior - top[1])
@@ -139,5 +141,5 @@ class AveragedInverse:
         if self.rule is select_mean:
             action = (posterior.probability * candidates).sum(-1)
         else:
-            action = low + (high - low) * self.rule(posterior.probability, _PLACES, rng) / (CANDIDATES - 1)
+            action = low + (high - low) * self.rule(posterior.probability, self._places, rng) / (count - 1)
         return Decided(action, candidates, posterior, outlook.beyond(posture + action))
