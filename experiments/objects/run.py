@@ -87,7 +87,7 @@ def study(config: Config) -> Result:
     """Every figure, over agents and plays."""
     plays = [meet(path) for path in config.plays] or [who(config)]
     each = ceil(config.agents / len(plays))
-    parts = ("tables", "filmed", "success", "new", "apart", *HEADS)
+    parts = ("tables", "watching", "success", "new", "apart", *HEADS)
     one = Task("", plays[0], plays[0], 0, each, config.acts, config.selection, config.seed)
     tasks = [
         replace(one, part=part, child=child, teacher=plays[(n + 1) % len(plays)], number=n)

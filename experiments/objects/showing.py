@@ -52,6 +52,10 @@ class Act:
     toy: str
     further: float
 
+    def only(self, which: IntArray) -> "Act":
+        """Some of the acts, or some of them again and again."""
+        return replace(self, tracks=self.tracks[which], signal=self.signal[which], rows=self.rows[which])
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -94,7 +98,7 @@ def demonstrated(
     Raises:
         ExperimentError: the object is out of reach, or what the teacher does never ends so.
     """
-    tries = max(2 * count, 16)
+    tries = max(count + count // 2, 16)
     shown = performed(teacher, toy, np.full(tries, NAMES.index(act)), TEACHERS + 1000 * seed, **{"keep": False, **how})
     came, short = TOYS[toy].state(shown.tried.true), float(np.median(shown.tried.missed))
     if short > OUT_OF_REACH_M:
@@ -105,8 +109,7 @@ def demonstrated(
     if not len(rows):
         found = ", ".join(sorted({STATES[one] for one in came}))
         raise ExperimentError(f"{act!r} with the {toy} never ended {state!r} in {tries} tries, only {found}")
-    rows = np.resize(rows, count)
-    return replace(shown, tracks=shown.tracks[rows], signal=shown.signal[rows], rows=rows)
+    return shown.only(np.resize(rows, count))
 
 
 def watched(act: Act, condition: str, rng: np.random.Generator, seeing: str = "points") -> Seen:

@@ -13,7 +13,7 @@ from experiments.objects.showing import ROOM_TABLE_M, demonstrated, performed, w
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born
 from experiments.shared.judging import calibration_error
-from experiments.shared.playing import SEEING_M, at_table
+from experiments.shared.playing import at_table
 from experiments.shared.rounds import PLAYED, empty, play_on
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
@@ -33,12 +33,13 @@ SUCCESS = (
     ("stick", "box", "", "buzz"),
 )
 """Name, object, primitive (none: the one that Eq. (1) finds likeliest) and the state it should bring about."""
-PLACEMENTS = 100
-CELL, TEST = 8, 4
+PLACEMENTS = 40
+"""For each play."""
+CELL, TEST = 8, 3
 """Tries of every primitive with every kind that tables are made of, and that judge them."""
 NEW = {"wide-dumbbell": "apart", "square": "joined"}
 """Objects never played with, whose kinds were; and what is to be brought about."""
-OWN_ROUNDS = 6
+OWN_ROUNDS = 4
 """Rounds of play with those two, for comparison."""
 PEER_MINUTES = 3.0
 HEADS = (
@@ -46,8 +47,10 @@ HEADS = (
     "mimic", "emulate",
 )  # fmt: skip
 """Conditions; the last two are peers, who do the movement that was seen, or bring the light about."""
-FILMED = 8
-"""Different acts that are filmed: agents share them."""
+ACTS, FILMED = 16, 8
+"""Different acts that a teacher does, and that are filmed: agents share them, each sees one with noise of its own."""
+SHOWN = 3
+"""Times that somebody does every primitive with every kind, to be recognised."""
 JUDGED = 7_000_000
 """Specimens from here on judge."""
 
@@ -70,7 +73,7 @@ class Task:
 
 def measured(task: Task) -> dict[str, Any]:
     """What one part finds."""
-    parts = {"success": success, "apart": apart, "tables": tables, "filmed": by_pixels, "new": new}
+    parts = {"success": success, "apart": apart, "tables": tables, "watching": watching, "new": new}
     return (parts | dict.fromkeys(HEADS, head))[task.part](task)
 
 
@@ -129,13 +132,12 @@ def apart(task: Task) -> dict[str, Any]:
 
 
 def tables(task: Task) -> dict[str, Any]:
-    """Tables of `CELL` tries a cell against tries that were held out, and recognising by sight what was done."""
+    """Tables of `CELL` tries a cell against tries that were held out."""
     play = task.child.play
     model = ForwardModel(
         play.outcomes.contexts, play.outcomes.action, play.outcomes.outcome, prior_strength=play.outcomes.prior_strength
     )
     held: list[tuple[IntArray, ...]] = []
-    right = list[BoolArray]()
     for number, thing in enumerate(PLAYED):
         toy, _, hands = thing.partition(":")
         kind, count = play.kinds.index(TOYS[toy].kind), len(NAMES) * (CELL + TEST)
@@ -151,28 +153,28 @@ def tables(task: Task) -> dict[str, Any]:
         rows = [values[taught, None] for values in cell]
         model.observe(rows[:2], rows[2], rows[3])
         held.append(tuple(cell[:, ~taught]))
-        if not hands:
-            right.append(likelihood(play, kind, tried.tracks, SEEING_M).argmax(1) == which)
     kinds, hand, acts, came = np.concatenate(held, 1)
     usual = model.counts[0].sum(2) + 1 / len(STATES)
     return {
         "table": scored(model.predictive[0, kinds, hand, acts], came),
         "kind_alone": scored((usual / usual.sum(-1, keepdims=True))[kinds, hand], came),
         "of_play": scored(play.outcomes.predictive[0, kinds, hand, acts], came),
-        "by_points": np.concatenate(right),
     }
 
 
-def by_pixels(task: Task) -> dict[str, Any]:
-    """Recognising by two retinas what a teacher does, one act of every primitive with every kind of thing."""
-    right, which = list[BoolArray](), np.arange(len(NAMES))
-    play, teacher = task.child.play, task.teacher
+def watching(task: Task) -> dict[str, Any]:
+    """Recognising what somebody else does with every kind of thing, seen across the table: points, and two retinas."""
+    points, pixels, play = list[BoolArray](), list[BoolArray](), task.child.play
+    which = np.tile(np.arange(len(NAMES)), SHOWN)
     for number, toy in enumerate(thing for thing in PLAYED if ":" not in thing):
         kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([task.seed, task.number, 50 + number])
-        act = performed(teacher, toy, which, specimens(task, 50 + number))
-        seen = watched(act, "live", rng, "pixels")
-        right.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == which)
-    return {"by_pixels": np.concatenate(right)}
+        act = performed(task.teacher, toy, which, specimens(task, 50 + number))
+        seen = watched(act, "live", rng)
+        points.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == which)
+        once = which[: len(NAMES)]
+        seen = watched(act.only(np.arange(len(once))), "live", rng, "pixels")
+        pixels.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == once)
+    return {"by_points": np.concatenate(points), "by_pixels": np.concatenate(pixels)}
 
 
 def scored(probability: FloatArray, came: IntArray) -> FloatArray:
@@ -231,10 +233,12 @@ def remembered_head(task: Task, rng: np.random.Generator) -> tuple[list[ActMemor
     act = "lift with both" if condition == "handled" else "press with the head"
     teacher = peer(seed, task.child) if condition == "peer" else task.teacher
     state, table = None if condition == "handled" else "lit by head", ROOM_TABLE_M if condition == "room" else None
-    count = task.agents if seeing == "points" else min(FILMED, task.agents)
+    count = ACTS if seeing == "points" else FILMED
     shown = demonstrated(teacher, "panel", act, state, count, seed, table=table, keep=seeing == "pixels")
+    if seeing == "points":
+        shown = shown.only(np.resize(np.arange(count), task.agents))
     memories = remembered(task.child.play, "panel", watched(shown, view, rng, seeing))
-    return [memories[n % count] for n in range(task.agents)], NAMES.index(act)
+    return [memories[n % len(memories)] for n in range(task.agents)], NAMES.index(act)
 
 
 def peer(seed: int, like: Child) -> Child:

@@ -161,7 +161,7 @@ def test_the_study_measures_what_it_says(child: Child, hurried: None, monkeypatc
     monkeypatch.setattr(study, "CELL", 2)
     monkeypatch.setattr(study, "TEST", 1)
     task = study.Task("", child, child, 0, 3, 1, "map", 0)
-    names = ("success", "tables", "live", "none", "mimic", "emulate")
+    names = ("success", "tables", "watching", "live", "none", "mimic", "emulate")
     parts = [study.measured(replace(task, part=part)) for part in names]
     parts.append({"new": {"square": {"first": np.ones(4, bool), "own": np.ones(4, bool)}}, "creep_mm_per_s": 0.1})
     parts[-1] |= {"below": np.zeros(3, bool), "above": np.ones(5, bool)}
