@@ -11,7 +11,7 @@ from babbling.mirroring import mirror_babble
 from babbling.own_eyes import OwnEyes, learn_own_eyes
 from experiments.shared.playing import SEATED, Look
 from imitation.acting.reaching import places
-from imitation.seeing.handling import bridged, centred, located, marks
+from imitation.seeing.marks import bridged, centred, located, marks
 from models.body import SimulatedBody
 from models.loading import load_body
 from models.objects.playing import PlayBody

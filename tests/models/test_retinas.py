@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from imitation.seeing.handling import MARKS, centred, glows, located, marks
+from imitation.seeing.marks import MARKS, centred, glows, located, marks
 from models.errors import BodyError
 from models.objects import TOYS
 from models.objects.playing import PlayBody

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imitation.errors import ImitationError
-from imitation.seeing.handling import bridged, located
+from imitation.seeing.marks import bridged, located
 
 RNG = np.random.default_rng(0)
 
