@@ -106,7 +106,8 @@ def test_hand_set_numbers_are_as_many_as_the_list_says() -> None:
     count = 0
     for _, tree in sources("babbling", "imitation"):
         for node in tree.body:
-            if isinstance(node, ast.Assign) and isinstance(target := node.targets[0], ast.Name | ast.Tuple):
+            told = {ast.Assign: lambda one: one.targets[0], ast.AnnAssign: lambda one: one.target}.get(type(node))
+            if told and node.value and isinstance(target := told(node), ast.Name | ast.Tuple):
                 names = [one.id for one in ast.walk(target) if isinstance(one, ast.Name)]
                 values = [one.value for one in ast.walk(node.value) if isinstance(one, ast.Constant)]
                 if all(name.lstrip("_").isupper() for name in names) and {int, float} & set(map(type, values)):
