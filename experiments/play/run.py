@@ -57,7 +57,8 @@ def command(config: Config) -> None:
         ("wall time", f"{metrics['play_wall_s']:.0f} s"),
     ]
     show(table(rows))
-    print(f"\nwritten to {out} (and {', '.join(file.name for file in others(out))} beside it)")
+    left = ", ".join(file.name for file in others(out) if file.exists())
+    print(f"\nwritten to {out} (and {left} beside it)")
 
 
 def told(play: Play) -> dict[str, Any]:
