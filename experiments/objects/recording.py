@@ -14,7 +14,7 @@ from experiments.shared.playing import TICK_S, Tried, at_table
 from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
-from models.objects.playing import lay
+from models.objects.playing import MIDDLE, lay
 from models.objects.states import STATES, Watched
 from models.shapes import parts
 
@@ -39,7 +39,7 @@ def layout(done: Done) -> rrb.Horizontal:
     taken = rrb.BarChartView(name="P(primitive | movement seen)", origin="/recognised")
     tables = rrb.Spatial2DView(name="P(state | primitive), states across, primitives down", origin="/tables")
     return views.beside(
-        views.world("imitator, and teacher behind", (0.95, -0.35, 0.6), (0.06, 0.22, 0.24)),
+        views.world("imitator, and teacher behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
         rrb.StateTimelineView(name="the imitator's object", origin="/object"),
         rrb.TimeSeriesView(name="touch [N]", origin="/touch"),
         rrb.TimeSeriesView(name="grip, at most [N]", origin="/grip"),
@@ -63,7 +63,7 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
     for n, part in enumerate(PARTS):
         felt = np.concatenate([tried.touch[:, 0, n] for tried in tries])
         log_series(stream, f"touch/{n}", felt, TICK_S, part, SERIES[n])
-        height = np.concatenate([tried.true.parts[:, 0, n, 2] for tried in tries])
+        height = np.concatenate([tried.true.parts[:, 0, n, 2] for tried in tries]) + MIDDLE[2] - body.table
         log_series(stream, f"height/{n}", height, TICK_S, part, SERIES[n])
         if n < 2:
             grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
