@@ -1,5 +1,6 @@
 """Figures of acts on objects."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,17 +10,18 @@ from matplotlib.figure import Figure
 from experiments.objects.deciding import UNSEEN
 from experiments.objects.found import Done, Studied
 from experiments.play.figures import outcomes
+from experiments.shared.judging import interval_95
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 
 INFANTS = {
-    "week": (8, 12, "Meltzoff 1988, n recalled"),
-    "live": (15, 30, "Heimann 2017, laboratory"),
-    "room": (14, 33, "Heimann 2017, familiar place"),
-    "none": (2, 41, "Heimann 2017, baseline"),
+    "week": (("Meltzoff 1988 (n recalled)", 8, 12), ("Heimann et al. 2017", 29, 63)),
+    "none": (("Meltzoff 1988 (n recalled)", 0, 24), ("Heimann et al. 2017", 2, 41)),
 }
-"""Head touches, infants, and where that stands; other conditions are known by their signs only."""
+"""Infants who touched it with the head, and how many there were; other conditions are known by their signs only."""
+MARKS = {"Meltzoff 1988 (n recalled)": "D", "Heimann et al. 2017": "s"}
+PEERS = ("mimic", "emulate")
 
 
 def figures(done: Done) -> dict[str, Figure]:
@@ -48,35 +50,39 @@ def figures(done: Done) -> dict[str, Figure]:
 def study_figures(studied: Studied) -> dict[str, Figure]:
     """Head touches beside infants', success by primitive, and the tables of the first play."""
     metrics = studied.metrics
-    figure = Figure(figsize=(8.5, 4.4), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.8), layout="constrained")
     axes = figure.subplots()
-    _bars(axes, metrics, "head_touch", "agents")
-    for place, name in enumerate(metrics["head_touch"]):
-        if name in INFANTS:
-            hits, count, source = INFANTS[name]
-            axes.plot(place + 0.28, hits / count, "D", color=DARK, ms=6)
-            axes.annotate(source, (place + 0.3, hits / count), fontsize=7, rotation=30, va="bottom")
-    axes.plot([], [], "D", color=DARK, label="infants")
-    axes.set(ylabel="touched the panel with the forehead", ylim=(0, 1.12))
-    axes.legend(frameon=False, loc="upper right")
+    _bars(axes, metrics, "head_touch", PEERS)
+    places, shown = list(metrics["head_touch"]), set[str]()
+    for condition, sources in INFANTS.items():
+        for number, (source, hits, count) in enumerate(sources):
+            if condition in places:
+                low, high = interval_95(hits, count)
+                where, share = places.index(condition) + 0.3 + 0.13 * number, hits / count
+                label = None if source in shown else f"infants, {source}"
+                ends = [[share - low], [high - share]]
+                axes.errorbar(where, share, ends, fmt=MARKS[source], color=DARK, ms=5, capsize=2, lw=1, label=label)
+                shown.add(source)
+    axes.set(ylabel="touched the panel with the forehead", ylim=(0, 1.3))
+    axes.legend(frameon=False, loc="upper right", ncols=2, fontsize=9)
     figure.suptitle(
-        f"Head touch by condition: {metrics['agents']} agents over {len(studied.plays)} plays, exact 95 % intervals; "
-        "infants' published rates.",
+        f"Head touch by what was seen: {metrics['agents']} agents over {len(studied.plays)} plays, and peers that do "
+        "the movement (mimic)\nor bring the light about (emulate); exact 95 % intervals. Infants: published rates.",
         fontsize=9,
     )
     other = Figure(figsize=(7.5, 4.0), layout="constrained")
     axes = other.subplots()
-    _bars(axes, metrics, "primitive_success", "done")
+    _bars(axes, metrics, "primitive_success")
     axes.set(ylabel="share of tries", ylim=(0, 1.05))
     other.suptitle("Primitives with specimens and places never met: exact 95 % intervals.", fontsize=9)
     return {"head_touch": figure, "primitives": other, "outcomes": outcomes(studied.plays[0].play)}
 
 
-def _bars(axes: Axes, metrics: dict[str, Any], key: str, label: str) -> None:
+def _bars(axes: Axes, metrics: dict[str, Any], key: str, peers: Sequence[str] = ()) -> None:
     """Shares and their intervals out of metrics.json."""
     names = list(metrics[key])
     middle = np.array([metrics[key][name] for name in names])
     ends = np.array([metrics[f"{key}_interval"][name] for name in names])
-    axes.bar(range(len(names)), middle, 0.5, color=OURS, label=label)
+    axes.bar(range(len(names)), middle, 0.5, color=[PLAIN if name in peers else OURS for name in names])
     axes.errorbar(range(len(names)), middle, np.abs(ends.T - middle), fmt="none", color=DARK, capsize=3)
-    axes.set_xticks(range(len(names)), names)
+    axes.set_xticks(range(len(names)), names, rotation=25, ha="right")
