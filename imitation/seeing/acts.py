@@ -5,7 +5,8 @@ size, or on a screen: for every primitive the best way of looking at it is found
 
     log P(seen | kind, primitive) = - TEMPER / 2 sum_i (r_i^2 / v_i + log v_i),   r = seen - (look of one's own mean),
 
-v being how much one's own movements vary, at that size. A look at places is a similarity: a turn about any axis, a
+v being how much one's own movements with such things vary about their means, at that size (one v for all primitives,
+for few were done of each). A look at places is a similarity: a turn about any axis, a
 size, a shift; a look at a screen is an affine camera (one image shows no depth). Where the camera is need not be known.
 """
 
@@ -19,8 +20,8 @@ from imitation.errors import ImitationError
 
 TEMPER: Final = 1 / 6
 """Neighbouring looks and coordinates say nearly the same: so much of their number counts."""
-LEAST_M: Final = 0.01
-"""m added to how much one's own movements vary: no two are done alike, and few were seen."""
+LEAST_M: Final = 0.003
+"""m added to how much one's own movements vary: no better are they seen."""
 PARTS: Final = 3
 NEVER: Final = -1e6
 """Log likelihood of what one has never done with such a thing."""
@@ -69,9 +70,10 @@ def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> F
     there = np.isfinite(points).all(-1)
     points = np.where(there[..., None], points, 0)
     found = np.full((count, len(play.outcomes.action.labels)), NEVER)
+    spread = one_s_spread(play, kind)
+    weight = there / spread**2
     for primitive in np.flatnonzero(play.tried[kind]):
-        mean, spread = one_s_own(play, kind, int(primitive))
-        weight = there / spread**2
+        mean = one_s_own(play, kind, int(primitive))
         shown, size = _similar(mean, points, weight) if points.shape[-1] == 3 else _affine(mean, points, weight)
         variance = (size[:, None] * spread) ** 2 + noise**2
         missed = ((points - shown) ** 2).sum(-1) / variance + points.shape[-1] * np.log(variance / size[:, None] ** 2)
@@ -85,12 +87,18 @@ def likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> Float
     return np.asarray(np.exp(logs - logs.max(1, keepdims=True)))
 
 
-def one_s_own(play: Play, kind: int, primitive: int) -> tuple[FloatArray, FloatArray]:
-    """(P, 3) mean places of the points of `described`, and (P,) how much each varies per axis, m."""
-    count = play.tried[kind, primitive]
-    mean = play.moved[kind, primitive] * FINE / count
-    variance = np.maximum(play.moved_squares[kind, primitive] * FINE**2 / count - mean**2, 0)
-    return mean.reshape(-1, 3), np.sqrt(variance.reshape(-1, 3).mean(1) + LEAST_M**2)
+def one_s_own(play: Play, kind: int, primitive: int) -> FloatArray:
+    """(P, 3) m, mean places of the points of `described`."""
+    return np.asarray(play.moved[kind, primitive] * FINE / play.tried[kind, primitive]).reshape(-1, 3)
+
+
+def one_s_spread(play: Play, kind: int) -> FloatArray:
+    """(P,) m per axis, how much each point varies about the means of all primitives, pooled."""
+    count = play.tried[kind][:, None]
+    mean = play.moved[kind] * FINE / np.maximum(count, 1)
+    within = (play.moved_squares[kind] * FINE**2 - count * mean**2).sum(0)
+    variance = np.maximum(within, 0) / max(int(count.sum()) - len(count), 1)
+    return np.sqrt(variance.reshape(-1, 3).mean(1) + LEAST_M**2)
 
 
 def _similar(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
