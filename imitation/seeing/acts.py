@@ -98,7 +98,7 @@ def one_s_spread(play: Play, kind: int) -> FloatArray:
     mean = play.moved[kind] * FINE / np.maximum(count, 1)
     within = (play.moved_squares[kind] * FINE**2 - count * mean**2).sum(0)
     variance = np.maximum(within, 0) / max(int(count.sum()) - len(count), 1)
-    return np.sqrt(variance.reshape(-1, 3).mean(1) + LEAST_M**2)
+    return np.asarray(np.sqrt(variance.reshape(-1, 3).mean(1) + LEAST_M**2))
 
 
 def _similar(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
