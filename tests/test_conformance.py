@@ -34,6 +34,7 @@ from babbling.loop import babble
 from babbling.mind import Mind, learn
 from babbling.mirroring import mirror_babble
 from babbling.organs import find_organs
+from babbling.own_eyes import OwnEyes
 from experiments.__main__ import main
 from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import FIND_FACE
@@ -152,10 +153,8 @@ def test_options_are_known_and_checked_without_physics_and_figures() -> None:
         "heavy = {'mujoco', 'pinocchio', 'dm_control', 'scipy', 'h5py', 'rerun', 'matplotlib'}\n"
         "print(sorted(heavy & set(sys.modules)))"
     )
-    shown = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60
-    )
-    assert shown.stdout == "[]\n"
+    shown = subprocess.check_output([sys.executable, "-c", code], cwd=ROOT, text=True, timeout=60)
+    assert shown == "[]\n"
 
 
 def test_a_wrong_name_is_exit_2_and_one_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -307,6 +306,7 @@ FILES: dict[str, Callable[[Mind], object]] = {
         (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
     ),
     "play": lambda mind: played(0),
+    "own eyes": lambda mind: OwnEyes("e", np.array([0, 2]), *np.zeros((3, 2)), np.ones((3, 36)), 0.003),
     "act memory": lambda mind: ActMemory("b", "panel", np.array([0, 6]), np.array([0.2, 0.8])),
     "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
 }

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import imitation.inference.moving
 from babbling.axes import Axis
 from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.features import Echo
@@ -79,17 +78,11 @@ def test_the_most_probable_action_is_that_of_a_dense_grid(known, rule) -> None:
     assert (logs(best) - logs(action)).max() < 0.05
 
 
-def test_with_more_candidates_it_is_the_dense_grid(known, monkeypatch) -> None:
-    for name, value in (
-        ("CANDIDATES", 401),
-        ("_EVEN", np.linspace(-1, 1, 401)),
-        ("_PLACES", Axis("candidate", "1", np.zeros(1), np.array([400.0]), 401)),
-    ):
-        monkeypatch.setattr(imitation.inference.moving, name, value)
+def test_with_more_candidates_it_is_the_dense_grid(known) -> None:
     for rule in (slack, sticky):
         model, (here, wanted) = known[rule], places(rule)
         mean, spread = moments(*densely(model, here, wanted, trusting(model, 0.1)))
-        choice = AveragedInverse(model, "mean", trust=0.1).choose(here, wanted, (), RNG)
+        choice = AveragedInverse(model, "mean", trust=0.1, candidates=401).choose(here, wanted, (), RNG)
         assert (np.abs(choice.action - mean) / spread).max() < 1e-3
 
 
