@@ -212,11 +212,8 @@ class ForwardModel:
         """`[factor, context..., action]`: what is done as a rule, in contexts of which nothing is known."""
         if not self.outcome.is_categorical:
             return self._gaussian(self.action, self.contexts)
-        usual = (
-            (self.counts / self.unit).reshape(len(self.factors), -1, self.action.size, self.outcome.size).sum((1, 3))
-        )
-        share = (usual + 1 / self.action.size) / (usual.sum(-1, keepdims=True) + 1)
-        return np.asarray(share).reshape(len(self.factors), *(1,) * len(self.contexts), self.action.size)
+        usual = self.visits.sum(tuple(range(1, 1 + len(self.contexts))), keepdims=True)
+        return np.asarray((usual + 1 / self.action.size) / (usual.sum(-1, keepdims=True) + 1))
 
     def _gaussian(self, target: Axis, inputs: Sequence[Axis]) -> FloatArray:
         """P(target | inputs) of the least-squares line, on the grids: `[factor, inputs..., target]`."""

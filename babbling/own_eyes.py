@@ -76,12 +76,12 @@ class OwnEyes(OfOneBody):
         return np.where(known[:, None, None], found, np.nan)
 
 
-def sights(seen: FloatArray, row: float = ROW) -> FloatArray:
-    """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, half hidden, or too
-    far."""
+def sights(seen: FloatArray, row: float = ROW, least: float = LEAST_APART) -> FloatArray:
+    """(2, ..., 2) in the left and right eye to (..., 4): 1, d, d (u + u') / 2, d v; NaN unseen, half hidden (rows
+    differ by `row` and more), or too far (u - u' at most `least`)."""
     (left, v), (right, w) = np.moveaxis(seen, -1, 1)
     apart = left - right
-    depth = 1 / np.where((apart > LEAST_APART) & (np.abs(v - w) < row), apart, np.nan)
+    depth = 1 / np.where((apart > least) & (np.abs(v - w) < row), apart, np.nan)
     return np.stack([np.ones_like(depth), depth, depth * (left + right) / 2, depth * (v + w) / 2], -1)
 
 

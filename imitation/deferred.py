@@ -69,11 +69,7 @@ class HeadMemory:
         Raises:
             ImitationError: it belongs to another body.
         """
-        if self.body != fingerprint:
-            raise ImitationError(
-                f"this memory belongs to another body (fingerprint {self.body}, this body has {fingerprint}); "
-                "give the robot that watched"
-            )
+        _check(self.body, fingerprint, "the robot that watched")
 
 
 @kind("act memory", "`imitate objects` leaves such files", ImitationError)
@@ -96,8 +92,11 @@ class ActMemory:
         Raises:
             ImitationError: it belongs to another body.
         """
-        if self.body != fingerprint:
-            raise ImitationError(
-                f"this memory belongs to another body (fingerprint {self.body}, this one has {fingerprint}); "
-                "give the play of the one who watched"
-            )
+        _check(self.body, fingerprint, "the play of the one who watched")
+
+
+def _check(remembers: str, fingerprint: str, give: str) -> None:
+    if remembers != fingerprint:
+        raise ImitationError(
+            f"this memory belongs to another body (fingerprint {remembers}, this body has {fingerprint}); give {give}"
+        )

@@ -51,8 +51,7 @@ class Response:
     posteriors: FloatArray
     """(N, A) P(a | s, s', g) of the first act."""
     tried: list[Tried]
-    """The physics of every act, of those who still acted (`rows`)."""
-    rows: list[IntArray]
+    """The physics of every act, of those who still acted."""
 
     def ever(self, state: int) -> BoolArray:
         """(N,) whether this state came about."""
@@ -74,8 +73,7 @@ def decide(play: Play, kind: int, hands: int, goals: IntArray, selection: str) -
 
 def respond(
     child: Child, toy: str, goals: IntArray, acts: int, selection: str, rng: np.random.Generator, *, first: int = 0,
-    hands: int = 0, keep: bool = False,
-    otherwise: FloatArray | None = None, further: float = 0.0,
+    keep: bool = False, otherwise: FloatArray | None = None, further: float = 0.0,
 ) -> Response:  # fmt: skip
     """N imitators with the same play act, each on one specimen, until their goal is reached or time is up.
 
@@ -87,29 +85,27 @@ def respond(
         selection: map or matching.
         rng: of choices and sight.
         first: number of the first specimen.
-        hands: whether they are free (0) or bound (1).
         keep: see `Player.tries`.
         further: see `PlayBody`.
         otherwise: (N, A) what a peer draws from, instead of Eq. (1).
     """
     play, count = child.play, len(goals)
     kind = play.kinds.index(TOYS[toy].kind)
-    posterior, inverse = decide(play, kind, hands, goals, selection)
+    posterior, inverse = decide(play, kind, HANDS.index("free"), goals, selection)
     weights = posterior.probability if otherwise is None else otherwise
     primitives, states = np.full((count, acts), -1), np.full((count, acts), -1)
-    going, tries, who = np.arange(count), list[Tried](), list[IntArray]()
+    going, tries = np.arange(count), list[Tried]()
     player = child.player
     for act in range(acts):
         if not len(going):
             break
         chosen = inverse.rule(weights[going, None], play.outcomes.action, rng)[:, 0].astype(int)
         aim = np.where(goals[going] == UNSEEN, play.practised(kind)[chosen], goals[going])
-        body = at_table(toy, len(going), busy=hands == HANDS.index("busy"), further=further)
+        body = at_table(toy, len(going), further=further)
         body.set_out((IMITATORS + first + going).tolist())
         tried = player.tries(body, chosen, aims(play, kind, chosen, aim, "mean", rng), rng, keep=keep)
         came = TOYS[toy].state(tried.true)
         primitives[going, act], states[going, act] = chosen, came
         tries.append(tried)
-        who.append(going)
         going = going[came != goals[going]]
-    return Response(goals, primitives, states, weights, tries, who)
+    return Response(goals, primitives, states, weights, tries)

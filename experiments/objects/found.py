@@ -9,7 +9,7 @@ import numpy as np
 from babbling.axes import BoolArray, FloatArray
 from experiments.objects.deciding import UNSEEN, Response
 from experiments.objects.options import Config
-from experiments.objects.showing import Act, Seen
+from experiments.objects.showing import Act
 from experiments.shared.children import Child
 from experiments.shared.judging import interval_95, over_learners
 from imitation.acting.primitives import NAMES
@@ -24,7 +24,6 @@ class Done:
     config: Config
     child: Child
     act: Act | None
-    seen: Seen | None
     memory: ActMemory | None
     response: Response
 
@@ -60,7 +59,6 @@ class Done:
 class Studied:
     """Every part of the study, of every play."""
 
-    config: Config
     plays: Sequence[Child]
     parts: Sequence[Mapping[str, Any]]
 

@@ -18,9 +18,8 @@ from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born, meet
 from experiments.shared.experiment import Result
 from experiments.shared.parallel import in_parallel
-from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.progress import progress
-from experiments.shared.rounds import PLAYED, empty, play_on, round_minutes
+from experiments.shared.rounds import PLAYED, empty, play_on, rounds_of
 from experiments.shared.tables import table as markdown
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
@@ -43,7 +42,7 @@ def run(config: Config) -> Result:
             "play with it first"
         )
     rng, far = np.random.default_rng([config.seed, 0x0B]), config.further_m
-    act = seen = memory = None
+    act = memory = None
     if config.condition != "none":
         doing = "lift with both" if config.condition == "handled" else config.act
         teacher = peer(config.seed + 1, child) if config.condition == "peer" else child
@@ -60,7 +59,7 @@ def run(config: Config) -> Result:
         toy, acts, selection = how
         goals = np.array([UNSEEN]) if memory is None else memory.states[-1:]
         response = respond(child, toy, goals, acts, selection, rng, keep=True, further=far)
-    done = Done(config, child, act, seen, memory, response)
+    done = Done(config, child, act, memory, response)
     rows = [
         ("what was seen", "nothing" if memory is None else f"{config.act} ({config.condition})"),
         ("taken for", done.metrics["recognised"] or "-"),
@@ -78,8 +77,7 @@ def who(config: Config) -> Child:
         return meet(config.play)
     with progress("babbling on the seat") as report:
         mind, image = born(config.seed, report)
-    rounds = ceil(QUICK_MINUTES / round_minutes(PLAYED, TICK_S, TICKS))
-    play = play_on(mind, image, empty(mind), PLAYED, rounds, config.seed, config.workers)
+    play = play_on(mind, image, empty(mind), PLAYED, rounds_of(QUICK_MINUTES, PLAYED), config.seed, config.workers)
     return Child(mind, image, play)
 
 
@@ -94,7 +92,7 @@ def study(config: Config) -> Result:
         for part in parts
         for n, child in enumerate(plays)
     ]
-    studied = Studied(config, plays, in_parallel(measured, tasks, config.workers, "studying acts on objects"))
+    studied = Studied(plays, in_parallel(measured, tasks, config.workers, "studying acts on objects"))
     metrics = studied.metrics
     rows = [
         *((f"{name}: done", percent(metrics, "primitive_success", name)) for name in metrics["primitive_success"]),

@@ -206,14 +206,12 @@ def head(task: Task) -> dict[str, Any]:
     child, count, condition = task.child, task.agents, task.part
     play, rng = child.play, np.random.default_rng([task.seed, task.number, HEADS.index(condition)])
     first, goals, otherwise = specimens(task, 30 + HEADS.index(condition)) - JUDGED, np.full(count, UNSEEN), None
-    recognised = np.zeros(0, bool)
     if condition != "none":
-        memories, shown = remembered_head(task, rng)
+        memories = remembered_head(task, rng)
         goals = np.array([memory.states[-1] for memory in memories])
-        recognised = np.array([memory.primitive.argmax() for memory in memories]) == shown
         if condition == "week":
             response = a_week_later(child, memories, "panel", task.acts, task.selection, task.seed, first)
-            return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
+            return {"head": (condition, response.ever(LIT_BY_HEAD))}
         if condition == "mimic":  # does what was seen
             otherwise = np.stack([memory.primitive for memory in memories])
         if condition == "emulate":  # brings about what was seen, the light, by whatever means
@@ -222,11 +220,11 @@ def head(task: Task) -> dict[str, Any]:
             one = action_posterior(lights, play.outcomes.habits[0, kind, 0]).probability
             otherwise = np.tile(one, (count, 1))
     response = respond(child, "panel", goals, task.acts, task.selection, rng, first=first, otherwise=otherwise)
-    return {"head": (condition, response.ever(LIT_BY_HEAD)), "recognised_head": recognised}
+    return {"head": (condition, response.ever(LIT_BY_HEAD))}
 
 
-def remembered_head(task: Task, rng: np.random.Generator) -> tuple[list[ActMemory], int]:
-    """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel; and what it was."""
+def remembered_head(task: Task, rng: np.random.Generator) -> list[ActMemory]:
+    """What agents keep of an adult's or a peer's head touch, or of one who only handles the panel."""
     condition, seed = task.part, 1000 + 10 * task.number + task.seed
     view = next((one for one in ("room", "television") if condition.startswith(one)), "live")
     seeing = "pixels" if "pixels" in condition else "points"
@@ -238,7 +236,7 @@ def remembered_head(task: Task, rng: np.random.Generator) -> tuple[list[ActMemor
     if seeing == "points":
         shown = shown.only(np.resize(np.arange(count), task.agents))
     memories = remembered(task.child.play, "panel", watched(shown, view, rng, seeing))
-    return [memories[n % len(memories)] for n in range(task.agents)], NAMES.index(act)
+    return [memories[n % len(memories)] for n in range(task.agents)]
 
 
 def peer(seed: int, like: Child) -> Child:

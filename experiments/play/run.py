@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,8 @@ from experiments.play.options import Config
 from experiments.shared.children import NAMED, Child, beside, born, keep, keep_beside, meet, merged
 from experiments.shared.experiment import as_json, writing
 from experiments.shared.pixels import watch_hands
-from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.progress import progress
-from experiments.shared.rounds import PLAYED, empty, kinds, play_on, round_minutes, usable
+from experiments.shared.rounds import PLAYED, empty, kinds, play_on, rounds_of, usable
 from experiments.shared.tables import show, table
 
 
@@ -38,7 +36,7 @@ def command(config: Config) -> None:
         keep(child, out)
     else:
         child = begin(config, things, out)
-        rounds = ceil(config.minutes / round_minutes(things, TICK_S, TICKS) - 1e-9)
+        rounds = rounds_of(config.minutes, things)
 
         def after(play: Play) -> None:
             save(play, out)

@@ -12,7 +12,7 @@ from babbling.play import Play
 from experiments.errors import ExperimentError
 from experiments.shared.minds import learn_mind
 from experiments.shared.options import BABBLING_MINUTES, BodyOptions
-from experiments.shared.pixels import pixels
+from experiments.shared.pixels import sight
 from experiments.shared.playing import SEATED, Player
 from experiments.shared.rounds import look_at_hands
 
@@ -34,8 +34,7 @@ class Child:
     @property
     def player(self) -> Player:
         """At a table."""
-        look = None if self.eyes is None else pixels(self.eyes, self.image)
-        return Player(self.mind, self.image, look, self.robot)
+        return Player(self.mind, self.image, sight(self.eyes, self.image), self.robot)
 
 
 def beside(path: Path, what: str) -> Path:

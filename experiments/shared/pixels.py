@@ -9,7 +9,7 @@ from babbling.body_image import BodyImage
 from babbling.mind import Mind
 from babbling.mirroring import mirror_babble
 from babbling.own_eyes import OwnEyes, learn_own_eyes
-from experiments.shared.playing import SEATED, Look
+from experiments.shared.playing import SEATED, Look, points
 from imitation.acting.reaching import places
 from imitation.seeing.marks import bridged, centred, located, marks
 from models.body import SimulatedBody
@@ -100,6 +100,11 @@ def pixels(eyes: OwnEyes, image: BodyImage, every: int = LOOKED) -> Look:
         return np.concatenate([places(image, felt), things], 1)
 
     return look
+
+
+def sight(eyes: OwnEyes | None, image: BodyImage) -> Look:
+    """By one's own eyes, of one who has learned to use them; otherwise as points."""
+    return points() if eyes is None else pixels(eyes, image)
 
 
 def film(

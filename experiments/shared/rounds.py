@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 
@@ -12,8 +13,8 @@ from babbling.organs import find_organs
 from babbling.own_eyes import OwnEyes
 from babbling.play import HANDS, Play
 from experiments.shared.parallel import in_parallel
-from experiments.shared.pixels import pixels
-from experiments.shared.playing import LOOKED_AT, SEATED, Player, at_table
+from experiments.shared.pixels import sight
+from experiments.shared.playing import LOOKED_AT, SEATED, TICK_S, TICKS, Player, at_table
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
 from imitation.seeing.acts import described
@@ -86,9 +87,14 @@ def empty(mind: Mind, things: Sequence[str] = PLAYED) -> Play:
     return Play.empty(mind.fingerprint, kinds(things), NAMES, STATES, FEATURES)
 
 
-def round_minutes(things: Sequence[str], tick_s: float, ticks: int) -> float:
+def round_minutes(things: Sequence[str]) -> float:
     """Body-minutes of a round."""
-    return len(things) * COPIES * ticks * tick_s / 60
+    return len(things) * COPIES * TICKS * TICK_S / 60
+
+
+def rounds_of(minutes: float, things: Sequence[str]) -> int:
+    """Rounds that take so many body-minutes, at least."""
+    return ceil(minutes / round_minutes(things) - 1e-9)
 
 
 def played(task: Task) -> Play:
@@ -104,8 +110,7 @@ def played(task: Task) -> Play:
     which[: len(todo)] = rng.permutation(todo)[:COPIES]
     new = rng.random(COPIES) < 1 - task.round / (LEARNING * task.rounds)
     where = aims(play, kind, which, np.where(new, -1, states[which]), "matching", rng)
-    look = None if task.eyes is None else pixels(task.eyes, task.image)
-    tried = Player(task.mind, task.image, look).tries(body, which, where, rng)
+    tried = Player(task.mind, task.image, sight(task.eyes, task.image)).tries(body, which, where, rng)
     return play.nothing().after(
         kind,
         HANDS.index(hands),

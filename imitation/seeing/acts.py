@@ -6,8 +6,8 @@ size, or on a screen: for every primitive the best way of looking at it is found
     log P(seen | kind, primitive) = - TEMPER / 2 sum_i (r_i^2 / v_i + log v_i),   r = seen - (look of one's own mean),
 
 v being how much one's own movements with such things vary about their means, at that size (one v for all primitives,
-for few were done of each). A look at places is a similarity: a turn about any axis, a
-size, a shift; a look at a screen is an affine camera (one image shows no depth). Where the camera is need not be known.
+for few were done of each). A look at places is a similarity: a turn about any axis, a size, a shift; a look at a screen
+is an affine camera (one image shows no depth). Where the camera is need not be known.
 """
 
 from typing import Final

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray
+from babbling.own_eyes import sights
 from imitation.errors import ImitationError
 from imitation.seeing.features import find_features
 
@@ -66,11 +67,7 @@ def located(seen: FloatArray, apart: float) -> FloatArray:
     """
     if len(seen) != 2:
         raise ImitationError(f"{len(seen)} eye(s) give no depth; two do")
-    left, right = seen
-    between, rows = np.moveaxis(left - right, -1, 0)
-    depth = apart / np.where((between > LEAST_APART) & (np.abs(rows) < ROW), between, np.nan)
-    across, down = np.moveaxis((left + right) / 2, -1, 0)
-    return np.stack([depth, -depth * across, -depth * down], -1)
+    return np.asarray(apart * sights(seen, ROW, LEAST_APART)[..., 1:] * (1, -1, -1))
 
 
 def bridged(track: FloatArray, gap: int = GAP) -> FloatArray:

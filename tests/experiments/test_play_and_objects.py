@@ -18,12 +18,10 @@ from experiments.__main__ import main
 from experiments.objects import study
 from experiments.objects.deciding import UNSEEN, decide, remembered, respond
 from experiments.objects.found import Studied
-from experiments.objects.options import Config
 from experiments.objects.showing import demonstrated, watched
 from experiments.play.options import Config as Playing
 from experiments.play.run import command
 from experiments.shared.children import Child, beside, keep, meet
-from experiments.shared.playing import TICK_S, TICKS
 from experiments.shared.rounds import play_on, round_minutes
 from imitation.acting.primitives import NAMES
 from models.loading import load_body
@@ -75,7 +73,7 @@ def test_play_goes_on_where_it_was_interrupted(child: Child, hurried: None) -> N
     for one in ("outcomes", "aims"):
         assert (getattr(again, one).counts == getattr(child.play, one).counts).all()
     assert (again.moved == child.play.moved).all() and again.rounds == 2
-    assert again.minutes == pytest.approx(2 * round_minutes(things, TICK_S, TICKS), abs=1e-4)
+    assert again.minutes == pytest.approx(2 * round_minutes(things), abs=1e-4)
 
 
 def test_what_was_seen_is_remembered_as_states_and_recognised_from_wherever_it_is_seen(child: Child) -> None:
@@ -125,7 +123,7 @@ def test_a_child_is_kept_whole_and_somebody_else_s_mind_is_refused(child: Child,
 def test_both_commands(child: Child, hurried: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     save(child.mind, tmp_path / "mind.nc")
     out = tmp_path / "play.nc"
-    minutes = round_minutes(("panel",), TICK_S, TICKS)
+    minutes = round_minutes(("panel",))
     told = Playing(
         minutes=2 * minutes, things=("panel",), forward_model=tmp_path / "mind.nc", out=out, workers=1, seed=0
     )
@@ -179,7 +177,7 @@ def test_the_study_measures_what_it_says(child: Child, hurried: None, monkeypatc
     parts.append({"new": {"square": {"first": np.ones(4, bool), "own": np.ones(4, bool)}}, "creep_mm_per_s": 0.1})
     parts[-1] |= {"below": np.zeros(3, bool), "above": np.ones(5, bool)}
     parts[-1] |= {"by_points": np.ones(5, bool), "by_pixels": np.array([True, False])}
-    found = Studied(Config(), [child], parts).metrics
+    found = Studied([child], parts).metrics
     assert found["primitive_success"]["head"] > 0.6 and found["head_touch"]["live"] >= 2 / 3
     assert found["head_touch"]["emulate"] == 0 and found["recognition_pixels"] == 0.5
     assert found["new_object_ratio"] == 1 and found["apart_rate_above"] == 1 and found["apart_rate_below"] == 0
