@@ -7,6 +7,9 @@ learned from experience with similar objects". What play leaves behind besides: 
 about, so that one's aim gets better; how far from comfort each primitive takes one, so that what is awkward is rarely
 done; and how one's own hands and head moved, so that another's movement is recognised. All of it is whole numbers:
 plays of several days, or machines, are merged by adding, exactly.
+
+Many children play side by side. How to aim, and how a movement looks, they have in common; what each of them brought
+about itself is kept too (`each`), so that one play is also a population of children with an experience of their own.
 """
 
 from dataclasses import dataclass, replace
@@ -30,12 +33,14 @@ SPREAD: Final = np.array([0.033, 0.02, 0.0105, 0.015, 0.35])
 AIM_POINTS: Final = 9
 AIM_STRENGTH: Final = 4.0
 """Pseudo-counts of what a primitive brings about, wherever one aims: few tries say little of where to aim."""
-EAGER: Final = 4.0
+EAGER: Final = 8.0
 """Exponent of P(state | aim) where one draws an aim."""
 FINE: Final = 1e-4
 """m, rad^2: what whole numbers count."""
 LEAST: Final = 2
 """Times that a state has come about before one aims for it."""
+CURIOUS: Final = 3.0
+"""How many times more often what sometimes succeeds is done than what always or never does (at P = 1/2)."""
 COMFORT: Final = 1.2
 """rad: how far from rest is still comfortable (as in `imitation.correspondence.inversion`)."""
 MOST: Final = 2.0**53
@@ -50,6 +55,8 @@ class Play(OfOneBody):
     fingerprint: str
     outcomes: Annotated[ForwardModel, Numbers("table")]
     """P(state' | kind, hands, primitive)."""
+    each: Annotated[IntArray, Numbers("child kind hands primitive state", low=0, high=MOST)]
+    """(C, K, H, A, O) the same, counted for each child."""
     aims: Annotated[ForwardModel, Numbers("aimed")]
     """P(state' | kind, primitive, aim), one factor for each of `AIMS`, as shares of `SPREAD` from `MIDDLE`."""
     moved: Annotated[IntArray, Numbers(f"{_ACTS} feature", low=-MOST, high=MOST, scale=FINE)]
@@ -70,6 +77,7 @@ class Play(OfOneBody):
         primitives: tuple[str, ...],
         states: tuple[str, ...],
         features: int,
+        children: int = 1,
     ) -> "Play":
         """Before anything is done."""
         outcomes = ForwardModel(
@@ -90,7 +98,8 @@ class Play(OfOneBody):
         )
         acts = (len(kinds), len(primitives))
         moved, none = np.zeros((*acts, features), np.int64), np.zeros(acts, np.int64)
-        return cls(fingerprint, outcomes, aims, moved, moved.copy(), none, 0, 0)
+        each = np.zeros((children, *outcomes.counts.shape[1:]), np.int64)
+        return cls(fingerprint, outcomes, each, aims, moved, moved.copy(), none, 0, 0)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -102,6 +111,12 @@ class Play(OfOneBody):
         """Body time."""
         return self.milliseconds / 60_000
 
+    def alone(self, child: int) -> "Play":
+        """What one of the children knows: what became of things when it did something itself, with the skill of all."""
+        own = self.nothing()
+        own.outcomes.add(self.each[None, child])
+        return replace(self, outcomes=own.outcomes, each=self.each[child : child + 1])
+
     @property
     def reached(self) -> IntArray:
         """(K, A, O) how often each primitive ended so with each kind, hands free."""
@@ -112,6 +127,24 @@ class Play(OfOneBody):
         """(K, A) how often each primitive was done with each kind, hands free."""
         return np.asarray(self.reached.sum(-1))
 
+    @property
+    def liked(self) -> FloatArray:
+        """(K, H, A, O) how often each primitive was done again, and ended so: the first try of each child is curiosity,
+        what it goes on with is liking (of n tries that ended so and so, (n - 1) / n each)."""
+        count = self.each.sum(-1, keepdims=True)
+        return np.asarray((self.each * (1 - 1 / np.maximum(count, 1))).sum(0))
+
+    @property
+    def liking(self) -> FloatArray:
+        """(K, H, A) P(primitive | kind, hands) of one who is after nothing = (done again + k q) / (their number + k),
+        q = (done + 1 / A) / (their number + 1), k = `PRIOR_STRENGTH`. (The habit in Eq. (1) is all that was done.)"""
+        return usually(self.liked.sum(-1), self.outcomes.visits[0])
+
+    @property
+    def ends(self) -> FloatArray:
+        """(K, H, O) P(state), by the same law: how one's acts end when one does what one likes."""
+        return usually(self.liked.sum(-2), self.outcomes.counts[0].sum(-2))
+
     def after(
         self,
         kind: int,
@@ -121,6 +154,7 @@ class Play(OfOneBody):
         aims: FloatArray,
         features: FloatArray,
         strain: FloatArray,
+        who: IntArray,
         minutes: float,
     ) -> "Play":
         """After N tries with one kind of thing; with hands bound, only what became of it is kept.
@@ -129,9 +163,11 @@ class Play(OfOneBody):
             kind, hands: which, and whether hands were free.
             which, states: (N,) primitives and what became of it, as it was seen.
             aims: (N, 5). features: (N, D) where parts were seen. strain: (N,) rad^2.
+            who: (N,) children that tried.
             minutes: body time.
         """
         new = self.nothing()
+        np.add.at(new.each[:, kind, hands], (who, which, states), 1)
         new.outcomes.observe(
             [np.full((len(which), 1), value) for value in (kind, hands)], which[:, None], states[:, None]
         )
@@ -150,13 +186,13 @@ class Play(OfOneBody):
     def nothing(self) -> "Play":
         """The same kinds of things, never played with."""
         acts, states = self.outcomes.action.labels, self.outcomes.outcome.labels
-        return Play.empty(self.fingerprint, self.kinds, acts, states, self.moved.shape[-1])
+        return Play.empty(self.fingerprint, self.kinds, acts, states, self.moved.shape[-1], len(self.each))
 
     def merged(self, other: "Play") -> "Play":
-        """Both together: exactly as if one had played it all.
+        """Both together: exactly as if the same children had played it all.
 
         Raises:
-            BabblingError: somebody else's play, or play with other kinds of things.
+            BabblingError: somebody else's play, of another number of children, or with other kinds of things.
         """
         if self.fingerprint != other.fingerprint:
             raise BabblingError(
@@ -164,11 +200,15 @@ class Play(OfOneBody):
             )
         if self.moved.shape[-1] != other.moved.shape[-1]:
             raise BabblingError("plays whose movements were seen at other moments cannot be merged")
+        if len(self.each) != len(other.each):
+            raise BabblingError(
+                f"plays of {len(self.each)} and of {len(other.each)} children cannot be merged: who is who?"
+            )
         both = self.nothing()
         for one in (self, other):
             both.outcomes.merge(one.outcomes)
             both.aims.merge(one.aims)
-        summed = ("moved", "moved_squares", "strain", "rounds", "milliseconds")
+        summed = ("each", "moved", "moved_squares", "strain", "rounds", "milliseconds")
         return replace(both, **{name: getattr(self, name) + getattr(other, name) for name in summed})
 
     def practised(self, kind: int) -> IntArray:
@@ -190,10 +230,24 @@ class Play(OfOneBody):
         return np.where((states < 0)[:, None, None], 1.0, likely)
 
     def comfort(self, kind: int) -> FloatArray:
-        """(A,) how gladly each primitive is done with this kind, exp(-strain / 2 COMFORT^2), normalised; alike where
-        one has not yet been tried."""
+        """(A,) how gladly each primitive is done with this kind, exp(-strain / 2 COMFORT^2), normalised; alike before
+        any is tried, and later 0 for one that was not."""
         tried = self.tried[kind]
-        if not tried.all():
+        if not tried.any():
             return np.full(len(tried), 1 / len(tried))
-        glad = np.exp(-self.strain[kind] * FINE / tried / (2 * COMFORT**2))
+        glad = np.where(tried > 0, np.exp(-self.strain[kind] * FINE / np.maximum(tried, 1) / (2 * COMFORT**2)), 0)
         return np.asarray(glad / glad.sum())
+
+    def appeal(self, kind: int) -> FloatArray:
+        """(A,) how readily each primitive is done in play: comfort (1 + CURIOUS 4 P (1 - P)), normalised, P = P(what it
+        is practised for | kind, primitive). What sometimes succeeds is what there is to learn."""
+        states = self.practised(kind)
+        chance = self.outcomes.predictive[0, kind, HANDS.index("free"), np.arange(len(states)), states]
+        appeal = self.comfort(kind) * (1 + CURIOUS * np.where(states < 0, 0, 4 * chance * (1 - chance)))
+        return np.asarray(appeal / appeal.sum())
+
+
+def usually(liked: FloatArray, done: IntArray) -> FloatArray:
+    """(..., N) shares of what was done again, of which what was ever done is the prior (see `Play.habits`)."""
+    prior = (done + 1 / done.shape[-1]) / (done.sum(-1, keepdims=True) + 1)
+    return np.asarray((liked + PRIOR_STRENGTH * prior) / (liked.sum(-1, keepdims=True) + PRIOR_STRENGTH))

@@ -86,13 +86,47 @@ class ActMemory:
     primitive: Annotated[FloatArray, Numbers("primitive", low=0, high=1)]
     """(A,) P(primitive | movement)."""
 
-    def check(self, fingerprint: str) -> None:
+    def check(self, fingerprint: str, states: int) -> None:
         """Refuse to act on somebody else's memory.
 
         Raises:
-            ImitationError: it belongs to another body.
+            ImitationError: it belongs to another body, or knows more than so many states of things.
         """
         _check(self.body, fingerprint, "the play of the one who watched")
+        if self.states.max(initial=0) >= states:
+            raise ImitationError(f"this memory knows of state {self.states.max()}; 0 to {states - 1} are possible")
+
+
+@kind("intention memory", "`imitate intentions` leaves such files", ImitationError)
+@dataclass(frozen=True, eq=False)
+class IntentMemory:
+    """What somebody seems to have meant to do with a thing, and what was seen to come about."""
+
+    body: str
+    """Fingerprint of the body in whose terms it is."""
+    thing: str
+    """What kind of thing it was."""
+    goal: Annotated[FloatArray, Numbers("goal", low=0, high=1)]
+    """(G,) P(g | somebody pursues one)."""
+    somebody: Annotated[float, Numbers(low=0, high=1)]
+    """P(somebody pursues a goal)."""
+    effects: Annotated[IntArray, Numbers("state", low=0)]
+    """(O,) how often each state was seen to come about."""
+
+    def check(self, fingerprint: str, thing: str, goals: int, states: int) -> None:
+        """Refuse to act on somebody else's memory, or with another thing.
+
+        Raises:
+            ImitationError: it belongs to another body, thing, or list of goals or states.
+        """
+        _check(self.body, fingerprint, "the play of the one who watched")
+        if self.thing != thing:
+            raise ImitationError(f"this memory is of a {self.thing}, not of a {thing}")
+        if len(self.goal) != goals or len(self.effects) != states or not self.goal.sum() > 0:
+            raise ImitationError(
+                f"this memory holds {len(self.goal)} goals and {len(self.effects)} states; {goals} and {states} are "
+                "needed, and goals that sum to something"
+            )
 
 
 def _check(remembers: str, fingerprint: str, give: str) -> None:

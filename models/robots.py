@@ -67,6 +67,8 @@ class Seat:
     """Geoms that may touch what is on the table."""
     holding: tuple[str, str] = ("left_hand_collision", "right_hand_collision")
     """Of those, the two that hold."""
+    outline: tuple[str, ...] = ("left_forearm", "right_forearm", "left_shoulder_bracket", "right_shoulder_bracket")
+    """Bodies whose origins, elbows and shoulders, are seen too where one looks at what it is that moves."""
     table: float = facts.WAIST_HEIGHT
     """m, height of the table's top."""
 

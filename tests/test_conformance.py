@@ -40,7 +40,7 @@ from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import FIND_FACE
 from experiments.shared.eyes import EyeOptions, nursery, open_eyes
 from experiments.shared.minds import Interrupted
-from imitation.deferred import ActMemory, HeadMemory, StepMemory
+from imitation.deferred import ActMemory, HeadMemory, IntentMemory, StepMemory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
@@ -301,13 +301,11 @@ FILES: dict[str, Callable[[Mind], object]] = {
     "eyes": lambda mind: eyes(),
     "body image": lambda mind: learned_image(),
     "balance": lambda mind: soles.stood(np.random.default_rng(0)),
-    "maze memory": lambda mind: StepMemory(
-        counted_moves(),
-        (Episode(1, np.array([3, 4, 4]), np.array([1, 1])), Episode(0, np.array([7]), np.array([], int))),
-    ),
+    "maze memory": lambda mind: StepMemory(counted_moves(), (walk(1, [3, 4, 4], [1, 1]), walk(0, [7], []))),
     "play": lambda mind: played(0),
     "own eyes": lambda mind: OwnEyes("e", np.array([0, 2]), *np.zeros((3, 2)), np.ones((3, 36)), 0.003),
     "act memory": lambda mind: ActMemory("b", "panel", np.array([0, 6]), np.array([0.2, 0.8])),
+    "intention memory": lambda mind: IntentMemory("b", "cup", np.array([0.2, 0.8]), 0.9, np.array([0, 3])),
     "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
 }
 FOR_PEOPLE = ("_name", "_probability")

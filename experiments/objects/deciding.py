@@ -20,17 +20,18 @@ from models.objects.states import SAME, Watched
 IMITATORS = 3_000_000
 """Specimens from here on are those that imitators are given."""
 UNSEEN = -1
-"""A goal of those who saw nothing: they do what they are used to."""
+"""A goal of those who saw nothing: they do what they like."""
 
 
-def remembered(play: Play, toy: str, seen: Seen) -> list[ActMemory]:
-    """Each act of N as states of the object, and as what oneself does so."""
+def remembered(play: Play, toy: str, seen: Seen, kind: str | None = None) -> list[ActMemory]:
+    """Each act of N as states of the object, and as what oneself does so: with a thing of its own kind, or of another,
+    which it is for the one who is watched."""
     thing = TOYS[toy]
     watched = Watched(
         seen.tracks[:, :, 3:].swapaxes(0, 1), seen.tracks[:, :, :3].swapaxes(0, 1), seen.signal.swapaxes(0, 1)
     )
     ends = thing.state(watched)
-    likely = likelihood(play, play.kinds.index(thing.kind), seen.tracks, seen.noise)
+    likely = likelihood(play, play.kinds.index(kind or thing.kind), seen.tracks, seen.noise)
     movement = likely / likely.sum(1, keepdims=True)
     return [
         ActMemory(play.fingerprint, thing.kind, np.array([SAME, end]), one)
@@ -59,15 +60,15 @@ class Response:
 
 
 def decide(play: Play, kind: int, hands: int, goals: IntArray, selection: str) -> tuple[Posterior, BayesianInverse]:
-    """Eq. (1) for N goals: P(a | s, s' = goal) from the play's tables, habit as the prior."""
+    """Eq. (1) for N goals: P(a | s, s' = goal) from the play's tables, habit as the prior; without a goal one does what
+    one likes."""
     inverse = BayesianInverse(play.outcomes, selection)
     where = np.full((len(goals), 1), kind), np.full((len(goals), 1), hands)
     term = Term(play.outcomes, where, np.maximum(goals, 0)[:, None])
     choice = inverse.choose([term], np.random.default_rng(0))
     assert choice.posterior is not None
     probability = choice.posterior.probability[:, 0]
-    habit = inverse.habits[0, kind, hands]
-    probability = np.where((goals == UNSEEN)[:, None], habit, probability)
+    probability = np.where((goals == UNSEEN)[:, None], play.liking[kind, hands], probability)
     return Posterior(probability, choice.posterior.evidence[:, 0], choice.posterior.informed[:, 0]), inverse
 
 

@@ -1,5 +1,6 @@
 """The recording of `imitate objects`: teacher and imitator at their tables, contact, grip, states, Eq. (1)'s choice."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -61,13 +62,12 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
     for n, part in enumerate(PARTS):
-        felt = np.concatenate([tried.touch[:, 0, n] for tried in tries])
-        log_series(stream, f"touch/{n}", felt, TICK_S, part, SERIES[n])
         height = np.concatenate([tried.true.parts[:, 0, n, 2] for tried in tries]) + MIDDLE[2] - body.table
         log_series(stream, f"height/{n}", height, TICK_S, part, SERIES[n])
         if n < 2:
             grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
             log_series(stream, f"grip/{n}", grip, TICK_S, part, SERIES[n])
+    log_touch(stream, tries)
     colours = dict(zip(STATES, [(120, 120, 120), *SERIES, (230, 120, 120), (240, 240, 240)], strict=True))
     states, acts = list[str](), list[str]()
     for tried in tries:
@@ -84,11 +84,18 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
         log_bars(stream, "recognised", np.repeat(done.memory.primitive[None], len(choice), 0), TICK_S)
 
 
-def became(tried: Tried, toy: str) -> list[str]:
+def log_touch(stream: rr.RecordingStream, tries: Sequence[Tried], waited: int = 0) -> None:
+    """What hands and forehead felt, one try after the other, after so many ticks of nothing."""
+    for n, part in enumerate(PARTS):
+        felt = np.concatenate([np.zeros(waited), *(tried.touch[:, 0, n] for tried in tries)])
+        log_series(stream, f"touch/{n}", felt, TICK_S, part, SERIES[n])
+
+
+def became(tried: Tried, toy: str, row: int = 0) -> list[str]:
     """The state of an object at every tick, as if all ended there."""
-    true = tried.true
+    true, one = tried.true, slice(row, row + 1)
     looks = [
-        Watched(true.handles[: t + 1, :1], true.parts[: t + 1, :1], true.signal[: t + 1, :1])
+        Watched(true.handles[: t + 1, one], true.parts[: t + 1, one], true.signal[: t + 1, one])
         for t in range(len(tried.path))
     ]
     return [STATES[int(TOYS[toy].state(look)[0])] for look in looks]

@@ -15,11 +15,10 @@ from experiments.objects.recording import record
 from experiments.objects.showing import ROOM_TABLE_M, demonstrated, watched
 from experiments.objects.study import HEADS, Task, measured, peer
 from experiments.objects.week import a_week_later
-from experiments.shared.children import Child, born, meet
+from experiments.shared.children import Child, meet
 from experiments.shared.experiment import Result
+from experiments.shared.growing import played_for
 from experiments.shared.parallel import in_parallel
-from experiments.shared.progress import progress
-from experiments.shared.rounds import PLAYED, empty, play_on, rounds_of
 from experiments.shared.tables import table as markdown
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
@@ -73,12 +72,7 @@ def run(config: Config) -> Result:
 
 def who(config: Config) -> Child:
     """Who has played: from a file, or for a while now."""
-    if config.play is not None:
-        return meet(config.play)
-    with progress("babbling on the seat") as report:
-        mind, image = born(config.seed, report)
-    play = play_on(mind, image, empty(mind), PLAYED, rounds_of(QUICK_MINUTES, PLAYED), config.seed, config.workers)
-    return Child(mind, image, play)
+    return meet(config.play) if config.play is not None else played_for(QUICK_MINUTES, config.seed, config.workers)
 
 
 def study(config: Config) -> Result:

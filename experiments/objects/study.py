@@ -16,7 +16,7 @@ from experiments.shared.judging import calibration_error
 from experiments.shared.playing import at_table
 from experiments.shared.rounds import PLAYED, empty, play_on
 from imitation.acting.aiming import aims
-from imitation.acting.primitives import NAMES
+from imitation.acting.primitives import NAMES, possible
 from imitation.deferred import ActMemory
 from imitation.inference.bayes import action_posterior
 from imitation.seeing.acts import likelihood
@@ -35,7 +35,7 @@ SUCCESS = (
 """Name, object, primitive (none: the one that Eq. (1) finds likeliest) and the state it should bring about."""
 PLACEMENTS = 40
 """For each play."""
-CELL, TEST = 8, 3
+CELL, TEST = 8, 6
 """Tries of every primitive with every kind that tables are made of, and that judge them."""
 NEW = {"wide-dumbbell": "apart", "square": "joined"}
 """Objects never played with, whose kinds were; and what is to be brought about."""
@@ -140,16 +140,17 @@ def tables(task: Task) -> dict[str, Any]:
     held: list[tuple[IntArray, ...]] = []
     for number, thing in enumerate(PLAYED):
         toy, _, hands = thing.partition(":")
-        kind, count = play.kinds.index(TOYS[toy].kind), len(NAMES) * (CELL + TEST)
+        kind, able = play.kinds.index(TOYS[toy].kind), possible(TOYS[toy].alone)
+        which = np.tile(able, CELL + TEST)
+        count = len(which)
         body = at_table(toy, count, busy=bool(hands))
         body.set_out(specimens(task, 10 + number))
-        which = np.arange(count) % len(NAMES)
         rng = np.random.default_rng([task.seed, task.number, 10 + number])
         where = aims(play, kind, which, play.practised(kind)[which], "mean", rng)
         tried = task.child.player.tries(body, which, where, rng)
         came = TOYS[toy].state(tried.seen)
         cell = np.stack([np.full(count, kind), np.full(count, int(bool(hands))), which, came])
-        taught = np.arange(count) < len(NAMES) * CELL
+        taught = np.arange(count) < len(able) * CELL
         rows = [values[taught, None] for values in cell]
         model.observe(rows[:2], rows[2], rows[3])
         held.append(tuple(cell[:, ~taught]))
@@ -165,13 +166,14 @@ def tables(task: Task) -> dict[str, Any]:
 def watching(task: Task) -> dict[str, Any]:
     """Recognising what somebody else does with every kind of thing, seen across the table: points, and two retinas."""
     points, pixels, play = list[BoolArray](), list[BoolArray](), task.child.play
-    which = np.tile(np.arange(len(NAMES)), SHOWN)
     for number, toy in enumerate(thing for thing in PLAYED if ":" not in thing):
         kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([task.seed, task.number, 50 + number])
+        able = possible(TOYS[toy].alone)
+        which = np.tile(able, SHOWN)
         act = performed(task.teacher, toy, which, specimens(task, 50 + number))
         seen = watched(act, "live", rng)
         points.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == which)
-        once = which[: len(NAMES)]
+        once = which[: len(able)]
         seen = watched(act.only(np.arange(len(once))), "live", rng, "pixels")
         pixels.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == once)
     return {"by_points": np.concatenate(points), "by_pixels": np.concatenate(pixels)}

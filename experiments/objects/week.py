@@ -38,7 +38,7 @@ def recalled(
     child = meet(folder / "play.nc")
     memories = [load(folder / f"memory{n}.nc", ActMemory) for n in range(count)]
     for memory in memories:
-        memory.check(child.play.fingerprint)
+        memory.check(child.play.fingerprint, len(child.play.outcomes.outcome.labels))
     goals = np.array([memory.states[-1] for memory in memories])
     rng = np.random.default_rng([seed, first])
     return respond(child, toy, goals, acts, selection, rng, first=first, keep=keep_all, further=further)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray, fixed
+from babbling.axes import BoolArray, FloatArray, IntArray, fixed
 from babbling.body_image import BodyImage
 from babbling.mind import Mind
 from experiments.shared.standing import FARTHEST, Joints
@@ -127,7 +127,14 @@ class Player:
         image.check(self.hung)
 
     def tries(
-        self, body: PlayBody, which: IntArray, aims: FloatArray, rng: np.random.Generator, *, keep: bool = False
+        self,
+        body: PlayBody,
+        which: IntArray,
+        aims: FloatArray,
+        rng: np.random.Generator,
+        *,
+        keep: bool = False,
+        careless: BoolArray | None = None,
     ) -> Tried:
         """Every copy does one primitive with its specimen, from rest, and looks once again half way.
 
@@ -137,6 +144,7 @@ class Player:
             aims: (B, 5).
             rng: of what is seen.
             keep: whether every configuration is kept, to draw it.
+            careless: (B,) who does not look again.
         """
         schema, tick, joints, toy = self.mind.pilot.schema, body.tick_s, Joints(self.hung, body), body.toy
         assert toy is not None
@@ -163,6 +171,8 @@ class Player:
                 now = joints.felt(felt)[:, schema.posture]
                 seen = self.look(body, now, True, rng)
                 left = again(planned, thing, which, places(self.image, now), seen[:, PARTS:])
+                if careless is not None:
+                    left[:, careless] = planned.places[LOOK_AGAIN:, careless]
                 ways, more = postures(self.image, left, ways[LOOK_AGAIN - 1])
                 missed = np.maximum(missed, more)
                 path[number + 1 : len(path) - waiting] = movement(ways, WAYS_S[LOOK_AGAIN:], path[number], tick)

@@ -240,6 +240,13 @@ PRIMITIVES: Final[dict[str, Primitive]] = {
 }
 """All, by name; a primitive is this number along the axis of actions."""
 NAMES: Final = tuple(PRIMITIVES)
+WITH_ANOTHER: Final = ("press the other", "carry", "carry and push")
+"""Those that need another part."""
+
+
+def possible(alone: bool) -> IntArray:
+    """Primitives that can be done with a thing, which has another part or is `alone`."""
+    return np.array([number for number, name in enumerate(NAMES) if not (alone and name in WITH_ANOTHER)])
 
 
 def plan(thing: Thing, which: IntArray, aims: FloatArray) -> Plan:

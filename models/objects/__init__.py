@@ -29,6 +29,8 @@ class Toy:
     """(B,) numbers in `models.objects.states.STATES`."""
     half: tuple[float, float, float]
     """m, half the width of `a` from side to side, half its height, half the height of `b`: what eyes measure."""
+    alone: bool = False
+    """Whether it has no other part: `b` is where `a` is."""
     ends: bool = False
     """Whether `a` and `b` are two ends of one thing, one for each hand."""
     on: float = 0.0015
@@ -65,6 +67,7 @@ _ALL: Final[dict[str, dict[str, Any]]] = {
         "about": "a touch lights it",
         "kind": "panel",
         "half": (0.042, 0.004, 0.004),
+        "alone": True,
         "state": lit,
         "glows": True,
     },

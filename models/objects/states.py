@@ -68,3 +68,7 @@ def lit(seen: Watched) -> IntArray:
 def buzzed(seen: Watched) -> IntArray:
     """(B,) whether it buzzed, or else what may become of anything."""
     return np.where(seen.signal.any(0), BUZZ, handled(seen))
+
+
+EITHER: Final = {"lit": (LIT_BY_HAND, LIT_BY_HEAD)}
+"""What one may want besides a state: any of several."""

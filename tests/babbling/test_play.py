@@ -15,6 +15,7 @@ from babbling.play import (
     AIM_STRENGTH,
     AIMS,
     COMFORT,
+    CURIOUS,
     FINE,
     HANDS,
     LEAST,
@@ -26,15 +27,16 @@ from babbling.play import (
 from tests.babbling.creature import Creature
 
 KINDS, ACTS, STATES, SEEN = ("dumbbell", "panel"), ("pull", "press", "hold"), ("same", "up", "lit", "apart"), 4
+CHILDREN = 5
 FREE, BUSY = range(len(HANDS))
 seeds = st.integers(0, 2**31)
 
 
 def nothing(fingerprint: str = "me") -> Play:
-    return Play.empty(fingerprint, KINDS, ACTS, STATES, SEEN)
+    return Play.empty(fingerprint, KINDS, ACTS, STATES, SEEN, CHILDREN)
 
 
-Tries = tuple[int, int, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+Tries = tuple[int, int, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 def tries(rng: np.random.Generator, count: int = 30) -> Tries:
@@ -43,7 +45,8 @@ def tries(rng: np.random.Generator, count: int = 30) -> Tries:
     which, states = rng.integers(0, len(ACTS), count), rng.integers(0, len(STATES), count)
     aims = MIDDLE + SPREAD * rng.uniform(-1.2, 1.2, (count, len(AIMS)))
     aims[::2] = MIDDLE + SPREAD * np.linspace(-1, 1, AIM_POINTS)[rng.integers(0, AIM_POINTS, aims[::2].shape)]
-    return int(kind), int(hands), which, states, aims, rng.normal(0, 0.2, (count, SEEN)), rng.exponential(2.0, count)
+    who, moved = rng.integers(0, CHILDREN, count), rng.normal(0, 0.2, (count, SEEN))
+    return int(kind), int(hands), which, states, aims, moved, rng.exponential(2.0, count), who
 
 
 def played(seed: int, rounds: int = 3) -> Play:
@@ -55,12 +58,14 @@ def played(seed: int, rounds: int = 3) -> Play:
 
 def handled(which: np.ndarray, states: np.ndarray, aims: np.ndarray, strain: np.ndarray, hands: int = FREE) -> Play:
     """After tries with the first kind of thing, movements unseen."""
-    return nothing().after(0, hands, which, states, aims, np.zeros((len(which), SEEN)), strain, minutes=0.0)
+    one = np.zeros(len(which), int)
+    return nothing().after(0, hands, which, states, aims, np.zeros((len(which), SEEN)), strain, one, minutes=0.0)
 
 
 def numbers(play: Play) -> dict[str, np.ndarray]:
     whole = {
-        name: np.asarray(getattr(play, name)) for name in ("moved", "moved_squares", "strain", "rounds", "minutes")
+        name: np.asarray(getattr(play, name))
+        for name in ("each", "moved", "moved_squares", "strain", "rounds", "minutes")
     }
     for name, model in (("outcomes", play.outcomes), ("aims", play.aims)):
         whole |= {name: model.counts, f"{name} moments": model.moments.sums, f"{name} P": model.predictive}
@@ -78,18 +83,25 @@ def test_everything_that_was_tried_is_counted_one_by_one() -> None:
     """With hands bound, only what became of it."""
     rng, play = np.random.default_rng(0), nothing()
     outcomes = np.zeros((len(KINDS), len(HANDS), len(ACTS), len(STATES)), int)
+    each = np.zeros((CHILDREN, *outcomes.shape), int)
     moved, strained, reached = (np.zeros((len(KINDS), len(ACTS), n)) for n in (SEEN, 1, len(STATES)))
     for _ in range(6):
-        kind, hands, which, states, _, features, strain = one = tries(rng)
+        kind, hands, which, states, _, features, strain, who = one = tries(rng)
         play = play.after(*one, minutes=1.5)
         for i, (act, state) in enumerate(zip(which, states, strict=True)):
             outcomes[kind, hands, act, state] += 1
+            each[who[i], kind, hands, act, state] += 1
             if hands == FREE:
                 moved[kind, act] += features[i]
                 strained[kind, act] += strain[i]
                 reached[kind, act, state] += 1
     assert outcomes[:, BUSY].sum() and outcomes[:, FREE].sum()
     np.testing.assert_array_equal(play.outcomes.counts[0], outcomes)
+    np.testing.assert_array_equal(play.each, each)
+    for child in range(CHILDREN):
+        alone = play.alone(child)
+        np.testing.assert_array_equal(alone.outcomes.counts[0], each[child])
+        np.testing.assert_array_equal(alone.aims.counts, play.aims.counts)  # skill is all children's
     np.testing.assert_array_equal(play.reached, reached)
     np.testing.assert_array_equal(play.tried, reached.sum(-1))
     aimed = play.aims.counts / play.aims.unit
@@ -120,9 +132,11 @@ def test_others_play_is_refused() -> None:
     with pytest.raises(BabblingError, match=r"plays of two bodies \(fingerprints me and you\) cannot be merged"):
         nothing().merged(nothing("you"))
     with pytest.raises(BabblingError, match="do not share their axes"):
-        nothing().merged(Play.empty("me", ("ring",), ACTS, STATES, SEEN))
+        nothing().merged(Play.empty("me", ("ring",), ACTS, STATES, SEEN, CHILDREN))
+    with pytest.raises(BabblingError, match="plays of 5 and of 2 children cannot be merged"):
+        nothing().merged(Play.empty("me", KINDS, ACTS, STATES, SEEN, 2))
     with pytest.raises(BabblingError, match="movements were seen at other moments"):
-        nothing().merged(Play.empty("me", KINDS, ACTS, STATES, SEEN + 1))
+        nothing().merged(Play.empty("me", KINDS, ACTS, STATES, SEEN + 1, CHILDREN))
     with pytest.raises(BabblingError, match="learned by another body"):
         nothing().check(Creature(copies=1))
 
@@ -226,3 +240,36 @@ def test_comfort_is_a_distribution_and_what_strains_is_rarely_done() -> None:
     np.testing.assert_allclose(play.comfort(1), 1 / len(ACTS))  # never tried: alike
     for kind in (0, 1):
         assert play.comfort(kind).sum() == pytest.approx(1)
+
+
+def test_appeal_is_comfort_times_what_there_is_to_learn() -> None:
+    """comfort (1 + CURIOUS 4 P (1 - P)), P of what is practised; what was never tried has no appeal once others do."""
+    which = np.repeat([0, 1], [40, 40])
+    states = np.concatenate([np.repeat([0, 3], 20), np.repeat(1, 40)])  # sometimes apart; always up
+    play = handled(which, states, np.tile(MIDDLE, (80, 1)), np.full(80, 1.0))
+    chance = play.outcomes.predictive[0, 0, FREE, [0, 1], play.practised(0)[:2]]
+    raw = play.comfort(0)[:2] * (1 + CURIOUS * 4 * chance * (1 - chance))
+    np.testing.assert_allclose(play.appeal(0), [*(raw / raw.sum()), 0.0])
+    assert play.appeal(0)[0] > 2 * play.appeal(0)[1]
+    np.testing.assert_allclose(play.appeal(1), 1 / len(ACTS))
+
+
+@given(seeds)
+@settings(max_examples=15, deadline=None)
+def test_what_one_likes_is_what_one_does_again(seed: int) -> None:
+    """Of n tries of a child that ended in several ways, (n - 1) / n each; the rest is the prior, k = PRIOR_STRENGTH."""
+    play, k = played(seed), PRIOR_STRENGTH
+    liked = np.zeros(play.each.shape[1:])
+    for own in play.each:
+        for cell in np.ndindex(own.shape[:-1]):
+            count = own[cell].sum()
+            liked[cell] += own[cell] * (count - 1) / count if count else 0
+    np.testing.assert_allclose(play.liked, liked)
+    counts = play.outcomes.counts[0]
+    for kind, hands in np.ndindex(len(KINDS), len(HANDS)):
+        for found, axis in ((play.liking, -1), (play.ends, 0)):
+            again, done = liked[kind, hands].sum(axis), counts[kind, hands].sum(axis)
+            prior = (done + 1 / len(done)) / (done.sum() + 1)
+            np.testing.assert_allclose(found[kind, hands], (again + k * prior) / (again.sum() + k))
+    once = nothing().after(*tries(np.random.default_rng(seed), 1), minutes=0.1)
+    assert not once.liked.any() and once.outcomes.counts.sum() == 1  # a first try is no liking

@@ -34,7 +34,8 @@ HEAD, PRESS = NAMES.index("press with the head"), NAMES.index("press")
 def hurried() -> Iterator[None]:
     """Few children, who look at their hands for a moment."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rounds, "COPIES", len(NAMES))
+        patch.setattr(rounds, "CHILDREN", len(NAMES))
+        patch.setattr(rounds, "KEPT_EVERY", 1)
         patch.setattr(rounds, "LOOKING_MINUTES", 4.0)
         yield
 
@@ -87,11 +88,11 @@ def test_what_was_seen_is_remembered_as_states_and_recognised_from_wherever_it_i
         assert [int(memory.primitive.argmax()) for memory in memories] == [HEAD] * len(act.rows), (condition, seeing)
 
 
-def test_who_saw_the_head_uses_it_and_who_saw_nothing_does_what_it_is_used_to(child: Child) -> None:
+def test_who_saw_the_head_uses_it_and_who_saw_nothing_does_what_it_likes(child: Child) -> None:
     goals = np.array([LIT_BY_HEAD, UNSEEN])
-    posterior, inverse = decide(child.play, 0, 0, goals, "map")
+    posterior, _ = decide(child.play, 0, 0, goals, "map")
     assert posterior.probability[0].argmax() == HEAD and posterior.probability[0, HEAD] > 0.6
-    np.testing.assert_allclose(posterior.probability[1], inverse.habits[0, 0, 0])
+    np.testing.assert_allclose(posterior.probability[1], child.play.liking[0, 0])
     done = respond(child, "panel", np.full(6, LIT_BY_HEAD), 2, "map", np.random.default_rng(0))
     assert done.ever(LIT_BY_HEAD).mean() > 0.8
     assert (done.states[:, 1] == -1).mean() > 0.5  # who has reached it stops

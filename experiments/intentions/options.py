@@ -1,0 +1,86 @@
+"""Options of `imitate intentions`."""
+
+from typing import Annotated, Literal
+
+from babbling.errors import unknown
+from experiments.errors import ExperimentError
+from experiments.shared.options import Options, Selection, ToRead, options, within
+
+CONDITIONS = {
+    **dict.fromkeys(
+        ("target", "failed", "failed_unlooked", "baseline", "manipulation", "device_failed", "device_success"),
+        ("dumbbell", "box", "loop", "square", "cup"),
+    ),
+    **dict.fromkeys(("outsized", "outsized_baseline"), ("outsized",)),
+    **dict.fromkeys(("head_free", "head_bound", "head_none"), ("panel",)),
+    **dict.fromkeys(("intended", "accidental"), ("dumbbell", "cup")),
+}
+"""Conditions, and the objects each is run with: Meltzoff's five (1995), the one that is too large, the light panel."""
+
+
+def a_condition(option: str, name: str) -> None:
+    """A condition that there is."""
+    if name not in CONDITIONS:
+        raise ExperimentError(f"{option} {unknown('condition', name, CONDITIONS)}")
+
+
+@options
+class Config(Options):
+    """Options of `imitate intentions`."""
+
+    condition: Annotated[str, a_condition] = "failed"
+    """What is shown: target (the act succeeds), failed (it does not), failed_unlooked (by somebody who never looks up),
+    baseline (nothing), manipulation (other acts), device_failed, device_success, outsized (an adult's hands slip off a
+    large dumbbell), outsized_baseline, head_free, head_bound, head_none, intended or accidental (two effects, one by
+    accident)."""
+    object: str = ""
+    """With what; none named is the first of those that go with the condition."""
+    play: ToRead | None = None
+    """What the children learned in play (`imitate play`); without one they play for 64 body-minutes first."""
+    memory: ToRead | None = None
+    """What was inferred before (`memory.nc` of an earlier run), instead of being shown anything: a day later."""
+    child: Annotated[int, within(0, 10_000)] = 0
+    """Which of the children that played watches."""
+    shown: Annotated[int, within(1, 20)] = 3
+    """How often it is shown."""
+    acts: Annotated[int, within(1, 20)] = 3
+    """Acts that there is time for."""
+    gives_up: Annotated[float, within(0, 1)] = 0.1
+    """P(somebody stops | the goal is not reached)."""
+    own_weight: Annotated[float, within(0, 1000, above=True)] = 0.1
+    """How much one's own play weighs in what one wants, against one effect that was just seen."""
+    reads: Literal["adult", "itself"] = "adult"
+    """Whether the other is taken to have an adult's hands, for which a large thing is not large, or one's own."""
+    wants: tuple[str, ...] = ()
+    """P(goal) instead of that of one's own play: STATE=WEIGHT (`--wants apart=1 up=2`); what is not named is 0."""
+    selection: Selection = "matching"
+    """How goals and actions are drawn: map or matching."""
+    workers: Annotated[int, within(1, 256)] = 2
+    """Processes; the result does not depend on it."""
+    study: bool = False
+    """Every condition, over agents and plays, beside two peers (minutes)."""
+    sensitivity: bool = False
+    """With --study: once more for every parameter that is not learned (minutes)."""
+    plays: tuple[ToRead, ...] = ()
+    """Independent plays to study; none named is --play's alone."""
+    agents: Annotated[int, within(1, 10_000)] = 200
+    """Agents of the study, shared out over the plays; no more than children played."""
+
+    @property
+    def toy(self) -> str:
+        """The object."""
+        return self.object or CONDITIONS[self.condition][0]
+
+    def check(self) -> None:
+        """See `Options`."""
+        if self.object and self.object not in CONDITIONS[self.condition]:
+            raise ExperimentError(
+                f"--object {self.object}: {self.condition} is shown with {' or '.join(CONDITIONS[self.condition])}"
+            )
+        if self.plays and not self.study:
+            raise ExperimentError("--plays: several plays are for --study; one imitator takes --play")
+        if self.sensitivity and not self.study:
+            raise ExperimentError("--sensitivity: it is a part of --study")
+        if self.selection == "mean":
+            raise ExperimentError("--selection mean: primitives are categories and have no mean; use map or matching")
+        super().check()
