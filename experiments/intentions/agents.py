@@ -11,7 +11,7 @@ from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.forward_model import ForwardModel
 from babbling.play import HANDS, Play
 from imitation.inference.bayes import action_posterior
-from imitation.inference.meaning import GIVES_UP, Knowing, Meant, Presentation, meant, wanted
+from imitation.inference.meaning import GIVES_UP, GOES_ON, REPEATS, Knowing, Meant, Presentation, meant, wanted
 from models.objects.states import EITHER, SAME, STATES
 
 GOALS = (*STATES, *EITHER)
@@ -33,6 +33,12 @@ class How:
     """How often it is shown."""
     gives_up: float = GIVES_UP
     """P(somebody stops | the goal is not reached)."""
+    goes_on: float = GOES_ON
+    """P(somebody does it again at once | the goal is reached)."""
+    repeats: float = REPEATS
+    """P(a thing does what it did before)."""
+    all_somebody: bool = False
+    """Whether whatever moves is taken for somebody."""
     own_weight: float = 0.1
     """How much one's own play weighs in what one wants, against one effect that was just seen."""
     selection: str = "matching"
@@ -57,7 +63,7 @@ class Belief(NamedTuple):
 
 
 class Did(NamedTuple):
-    """What it did, act by act; -1 after it had done."""
+    """What it did, act by act, what came of it, and what it was after."""
 
     primitives: IntArray
     states: IntArray
@@ -113,7 +119,8 @@ class Agent:
         """
         prior = self.wants(kind) if wants is None else wants
         theirs = self.knowing(kind if self.how.as_itself else other, hands)
-        found = meant(seen, theirs, prior, somebody, gives_up=self.how.gives_up)
+        how, before = self.how, 1.0 if self.how.all_somebody else somebody
+        found = meant(seen, theirs, prior, before, gives_up=how.gives_up, goes_on=how.goes_on, repeats=how.repeats)
         effects = np.bincount([one.state for one in seen if one.state not in (None, SAME)], minlength=len(STATES))
         return Belief(found.goal[-1], min(float(found.somebody[-1]), 1.0), effects), found
 
@@ -136,7 +143,9 @@ class Agent:
             wants: see `believes`.
         """
         prior = self.wants(kind) if wants is None else wants
-        known, own, tempting = self.knowing(kind), self.how.own_weight * prior, np.zeros(len(GOALS))
+        single = MEMBERS.sum(1) == 1  # to bring either of two about is what another may want; oneself has one in mind
+        known, own, tempting = self.knowing(kind), np.where(single, prior, 0), np.zeros(len(GOALS))
+        own = self.how.own_weight * (own if own.sum() > 0 else prior)
         tempting[: len(STATES)] = belief.effects
         adopts = self._drawn(np.array([belief.somebody, 1 - belief.somebody]), rng) == 0
         goal = self._drawn(belief.goal if adopts else own + tempting, rng)

@@ -104,7 +104,8 @@ def bodies(metrics: dict[str, Any]) -> Figure:
     axes = figure.subplots()
     order = sorted(metrics["agent_log_odds"], key=lambda body: -metrics["agent_log_odds"][body])
     for key, ink, label in (
-        ("agent_posterior", OURS, "looks at who watches"),
+        ("agent_posterior_looked", THEIRS, "looks at who watches"),
+        ("agent_posterior", OURS, "by its shape alone"),
         ("agent_posterior_unlooked", PLAIN, "never looks up"),
     ):
         axes.plot(range(len(order)), [metrics[key][body] for body in order], "o-", color=ink, label=label)

@@ -11,10 +11,10 @@ from babbling.play import Play
 from experiments.intentions.agents import GOALS, Belief, Did
 from experiments.intentions.options import CONDITIONS, Config
 from experiments.intentions.showing import SHOWS, Shown, somebody
-from experiments.intentions.study import Answers
+from experiments.intentions.study import USUAL, Answers
 from experiments.intentions.trials import Trials
 from experiments.shared.children import Child
-from experiments.shared.judging import interval_95, over_learners
+from experiments.shared.judging import calibration_error, interval_95, over_learners
 from experiments.shared.playing import Tried
 from imitation.acting.primitives import NAMES
 from imitation.inference.meaning import Meant
@@ -71,6 +71,8 @@ class Studied:
 
     plays: Sequence[Play]
     answers: Sequence[Mapping[str, Any]]
+    hows: Sequence[str]
+    """Ways of being an imitator."""
     films: Mapping[str, Any]
     wall_s: float
 
@@ -90,7 +92,7 @@ class Studied:
         adult's."""
         found = list[FloatArray]()
         for play in self.answers:
-            answers: Answers = play["as they are"]["outsized", "outsized"]
+            answers: Answers = play[USUAL]["outsized", "outsized"]
             began = answers.first[answers.ours]
             found.append((began != NAMES.index(SHOWS["outsized"].act)).astype(float))
         return found
@@ -98,11 +100,10 @@ class Studied:
     @property
     def metrics(self) -> dict[str, Any]:
         """For metrics.json."""
-        first = next(iter(self.answers[0]["hows"]))
-        ours, mimic, emulate = (self.shares(first, what) for what in ("ours", "mimic", "emulate"))
+        ours, mimic, emulate = (self.shares(USUAL, what) for what in ("ours", "mimic", "emulate"))
         share, interval = means(ours), intervals(ours)
         bodies = {
-            body: [[somebody(play["bodies"][body], contact) for play in self.answers] for contact in (True, False)]
+            body: [[somebody(play["bodies"][body], met) for play in self.answers] for met in (None, True, False)]
             for body in self.answers[0]["bodies"]
         }
         return {
@@ -114,25 +115,27 @@ class Studied:
                     toy: float(
                         np.mean(
                             [
-                                play[first][condition, toy].ours.mean()
+                                play[USUAL][condition, toy].ours.mean()
                                 for play in self.answers
-                                if (condition, toy) in play[first]
+                                if (condition, toy) in play[USUAL]
                             ]
                         )
                     )
                     for toy in toys
-                    if any((condition, toy) in play[first] for play in self.answers)
+                    if any((condition, toy) in play[USUAL] for play in self.answers)
                 }
                 for condition, toys in CONDITIONS.items()
             },
-            "rates_first_act": means(self.shares(first, "at_once")),
+            "rates_first_act": means(self.shares(USUAL, "at_once")),
             "rates_mimicry": means(mimic),
             "rates_emulation": means(emulate),
             "rates_mimicry_interval": intervals(mimic),
             "rates_emulation_interval": intervals(emulate),
             **other_means(np.concatenate(self.first_means)),
-            "agent_posterior": {body: float(np.mean(met)) for body, (met, _) in bodies.items()},
-            "agent_posterior_unlooked": {body: float(np.mean(unmet)) for body, (_, unmet) in bodies.items()},
+            **{
+                f"agent_posterior{end}": {body: float(np.mean(each[n])) for body, each in bodies.items()}
+                for n, end in enumerate(("", "_looked", "_unlooked"))
+            },
             "agent_log_odds": {
                 body: float(np.mean([play["bodies"][body].mean() for play in self.answers])) for body in bodies
             },
@@ -142,17 +145,18 @@ class Studied:
             "play_body_minutes": [play.minutes for play in self.plays],
             "tries_of_each": float(np.mean([play.each.sum((1, 2, 3, 4)).mean() for play in self.plays])),
             "study_wall_s": self.wall_s,
-            "sensitivity": {how: means(self.shares(how, "ours")) for how in self.answers[0]["hows"]},
+            "sensitivity": {how: means(self.shares(how, "ours")) for how in self.hows},
         }
 
 
 def inferences(inferred: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How well goals were inferred from single presentations, over plays."""
     shares = list(inferred[0]["by_share"])
+    sure, right = (np.concatenate([one[key] for one in inferred]) for key in ("sure", "right"))
     return {
-        "goal_calibration_error": float(np.mean([one["calibration"] for one in inferred])),
-        "goal_calibration_error_by_play": [one["calibration"] for one in inferred],
-        "goal_presentations": int(sum(one["count"] for one in inferred)),
+        "goal_calibration_error": calibration_error(sure, right)[0],
+        "goal_calibration_error_by_play": [calibration_error(one["sure"], one["right"])[0] for one in inferred],
+        "goal_presentations": len(sure),
         "goal_accuracy": {
             rule: float(np.mean([one["rules"][rule] for one in inferred])) for rule in inferred[0]["rules"]
         },

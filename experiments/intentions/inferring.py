@@ -9,7 +9,6 @@ from experiments.intentions.agents import GOALS, MEMBERS, Agent, How
 from experiments.intentions.showing import ACROSS
 from experiments.intentions.trials import Trials
 from experiments.shared.children import Child
-from experiments.shared.judging import calibration_error
 from experiments.shared.playing import SEEING_M
 from imitation.inference.meaning import GIVES_UP, Knowing, Presentation, meant
 from imitation.seeing.acts import likelihood
@@ -60,8 +59,8 @@ def inferred(child: Child, adult: Child, adults: dict[str, Trials], seed: int) -
             sure.append(float(found.max()))
             hits.append(guesses["Eq. (2)"] == goal)
     return {
-        "calibration": calibration_error(np.array(sure), np.array(hits))[0],
-        "count": len(sure),
+        "sure": np.array(sure),
+        "right": np.array(hits),
         "rules": {rule: float(np.mean(each)) for rule, each in ended.items()},
         "by_share": {
             share: {rule: float(np.mean(each)) for rule, each in rules.items()} for share, rules in right.items()

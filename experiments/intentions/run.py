@@ -27,7 +27,7 @@ from experiments.intentions.showing import (
     presented,
     somebody,
 )
-from experiments.intentions.study import OBJECTS, Population, Tries, answered, tried
+from experiments.intentions.study import OBJECTS, USUAL, Population, Tries, answered, tried
 from experiments.intentions.trials import Trials, done
 from experiments.objects.deciding import IMITATORS
 from experiments.shared.children import Child, meet
@@ -56,6 +56,11 @@ SENSITIVITY: dict[str, dict[str, Any]] = {
     "shown once": {"shown": 1},
     "never gives up": {"gives_up": 0.0},
     "gives up half the time": {"gives_up": 0.5},
+    "never goes on": {"goes_on": 0.0},
+    "goes on one time in five": {"goes_on": 0.2},
+    "things repeat exactly": {"repeats": 1.0},
+    "things do anything": {"repeats": 0.0},
+    "everything is somebody": {"all_somebody": True},
     "own play weighs 1": {"own_weight": 1.0},
     "own play weighs .01": {"own_weight": 0.01},
     "most probable": {"selection": "map"},
@@ -113,7 +118,7 @@ def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
     """One child watches an adult with the skill of its playmates, and acts in physics."""
     child = replace(group, play=group.play.alone(config.child))
     rng = np.random.default_rng([config.seed, config.child, 0x1D])
-    how = How(config.acts, config.shown, config.gives_up, config.own_weight, config.selection, config.reads == "itself")
+    how = how_of(config)
     agent, toy = Agent(child.play, how), config.toy
     kind, other = child.play.kinds.index(TOYS[toy].kind), SHOWS[toy].other or toy
     adult, looks = None, {}
@@ -154,6 +159,12 @@ def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
 
     did = agent.responds(belief, kind, world, rng, prior)
     return Done(config, child, shown, adult, believed, belief, did, tries)
+
+
+def how_of(config: Config) -> How:
+    """What is not learned."""
+    chosen = {name: getattr(config, name) for name in ("acts", "shown", "gives_up", "own_weight", "selection")}
+    return How(**chosen, as_itself=config.reads == "itself")
 
 
 def wanted(config: Config) -> FloatArray | None:
@@ -204,10 +215,8 @@ def study(config: Config) -> Result:
     pools: list[dict[str, Trials]] = [{} for _ in children]
     for task, trials in zip(tasks, in_parallel(tried, tasks, config.workers, "tries in physics"), strict=True):
         pools[task.number][task.thing] = trials
-    usual = How(
-        config.acts, config.shown, config.gives_up, config.own_weight, config.selection, config.reads == "itself"
-    )
-    hows = {"as they are": usual}
+    usual = how_of(config)
+    hows = {USUAL: usual}
     if config.sensitivity:
         hows |= {name: replace(usual, **change) for name, change in SENSITIVITY.items()}
     populations = [
@@ -217,7 +226,7 @@ def study(config: Config) -> Result:
     ]  # fmt: skip
     answers = in_parallel(answered, populations, config.workers, "watching and acting")
     seen = films.films(FILM_SEEDS)
-    found = Studied([child.play for child in children], answers, seen, time.perf_counter() - began)
+    found = Studied([child.play for child in children], answers, list(hows), seen, time.perf_counter() - began)
     metrics = found.metrics | {"how": asdict(usual)}
     return Result(metrics, "# Intentions\n\n" + table(told(metrics)), study_figures(found, metrics))
 

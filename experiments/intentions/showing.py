@@ -45,6 +45,8 @@ HANDLING: Final = ("lift with both", "squeeze", "hold", "lift", "sweep")
 """What an adult does who handles a thing without the act."""
 TWO_EFFECTS: Final = {"dumbbell": ("lift with both", "up"), "cup": ("lift", "up")}
 """Objects with a second effect, for what is done by accident (Carpenter et al. 1998)."""
+HANDS_SEEN: Final = slice(0, 2)
+"""Of the five places of a track."""
 NOTHING: Final = ("baseline", "none")
 """What conditions end in where nothing is shown."""
 CONTACT: Final = (0.7, 0.05)
@@ -72,8 +74,10 @@ class Looks:
 
 
 def looked_at(play: Play, trials: Trials, rng: np.random.Generator) -> Looks:
-    """How tries look, 3 mm of noise, from across the table."""
+    """How tries look, 3 mm of noise, from across the table; hands under a blanket do not show."""
     tracks = trials.tracks @ ACROSS
+    if trials.busy:
+        tracks[:, :, HANDS_SEEN] = np.nan
     seen = Seen(tracks + SEEING_M * rng.standard_normal(tracks.shape), trials.signal, SEEING_M)
     own = remembered(play, trials.toy, seen)
     other = SHOWS[trials.toy].other
@@ -129,9 +133,10 @@ def likeness(image: BodyImage, outlines: FloatArray, body: str, rng: np.random.G
     return np.array([like_me(residuals(image, one)) for one in shown])
 
 
-def somebody(log_odds: FloatArray, contact: bool) -> float:
-    """P(somebody) by how it looks, and by whether it looks at who watches; even odds before."""
-    met, meets = CONTACT if contact else (1 - CONTACT[0], 1 - CONTACT[1])
+def somebody(log_odds: FloatArray, contact: bool | None = None) -> float:
+    """P(somebody) by how it looks, and by whether it looks at who watches (None: that is not known); even odds
+    before."""
+    met, meets = {None: (1.0, 1.0), True: CONTACT, False: (1 - CONTACT[0], 1 - CONTACT[1])}[contact]
     return float(1 / (1 + np.exp(-(np.mean(log_odds) + np.log(met / meets)))))
 
 

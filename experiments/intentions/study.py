@@ -13,7 +13,7 @@ from experiments.intentions.inferring import inferred
 from experiments.intentions.options import CONDITIONS
 from experiments.intentions.showing import BODIES, SHOWS, Looks, likeness, looked_at, presented
 from experiments.intentions.showing import somebody as by_looks
-from experiments.intentions.trials import TRIALS, Trials, trials
+from experiments.intentions.trials import Trials, trials
 from experiments.shared.children import Child
 from experiments.shared.rounds import look_at_hands
 from models.objects import TOYS
@@ -21,6 +21,8 @@ from models.objects.states import SAME
 
 ADULT_ACTS = 4
 """Tries by which it is judged who is somebody."""
+USUAL = "as they are"
+"""The way of being an imitator that counts; others show what depends on what."""
 OBJECTS = (*dict.fromkeys(toy for toys in CONDITIONS.values() for toy in toys), "panel:busy")
 
 
@@ -34,11 +36,10 @@ class Tries:
 
 
 def tried(task: Tries) -> Trials:
-    """Of adults, with bound hands nothing but the act that is shown is needed."""
+    """See `trials`."""
     toy, _, hands = task.thing.partition(":")
     first = 100_000 * task.number + 1000 * OBJECTS.index(task.thing)
-    each = 0 if hands else TRIALS
-    return trials(task.child, toy, SHOWS[toy].act, first, busy=bool(hands), each=each)
+    return trials(task.child, toy, SHOWS[toy].act, SHOWS[toy].target, first, busy=bool(hands))
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Population:
     adults: dict[str, Trials]
     agents: int
     hows: dict[str, How]
-    """What of an imitator is not learned, by name; the first is the one that counts."""
+    """What of an imitator is not learned, by name; see `USUAL`."""
     seed: int
 
 
@@ -79,7 +80,7 @@ def answered(task: Population) -> dict[str, Any]:
     seen = looks["dumbbell"].trials.outline[:ADULT_ACTS]
     bodies = {body: likeness(image, seen, body, rng) for body in BODIES}
     goals = inferred(task.child, task.adult, task.adults, task.seed + 10 * task.number)
-    found: dict[str, Any] = {"bodies": bodies, "inferred": goals, "hows": list(task.hows)}
+    found: dict[str, Any] = {"bodies": bodies, "inferred": goals}
     for name, how in task.hows.items():
         conditions = {
             (condition, toy): each_answers(task, looks, bodies, condition, toy, how)

@@ -5,16 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
+from babbling.play import HANDS
 from experiments.shared.children import Child
 from experiments.shared.playing import LOOKED_AT, Tried, at_table
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES, possible
+from imitation.inference.bayes import action_posterior
 from models.loading import load_body
 from models.objects import TOYS
 from models.objects.sight import Hands
+from models.objects.states import STATES
 
-TRIALS = 3
-"""Of every primitive with every object, for each play."""
+TRIALS, MEANS = 2, 12
+"""Of every primitive with every object, for each play; more of those that Eq. (1) would choose for what is shown."""
 CARELESS = 12
 """Of the act that is to be shown, aimed anywhere: what fails, fails in physics."""
 SPECIMENS = 8_000_000
@@ -32,6 +35,8 @@ class Trials:
     """(N,) what became of the object, by the object itself."""
     careless: BoolArray
     """(N,) whether it was aimed anywhere."""
+    busy: bool
+    """Whether hands were bound, under a blanket."""
     tracks: FloatArray
     """(N, L, 5, 3) m: hands, forehead, a and b at the looks, in the world's own places."""
     signal: BoolArray
@@ -48,21 +53,25 @@ class Trials:
         return np.flatnonzero(found)
 
 
-def trials(
-    child: Child, toy: str, shown: str, first: int, *, busy: bool = False, each: int = TRIALS, careless: int = CARELESS
-) -> Trials:
-    """Every primitive `each` times, aimed as play taught, and the one that is to be shown as often carelessly.
+def trials(child: Child, toy: str, shown: str, target: str, first: int, *, busy: bool = False) -> Trials:
+    """Every primitive, aimed as play taught, most often those by which the target is reached, and carelessly the one
+    that is to be shown; with bound hands nothing but that one is needed.
 
     Args:
         child: who does it.
         toy: with what.
         shown: name of the act that adults show with it.
+        target: name of the state that it is for.
         first: number of the first specimen.
         busy: whether its hands are bound.
-        each, careless: how many.
     """
-    skilled = np.repeat(possible(TOYS[toy].alone), each)
-    which = np.concatenate([skilled, np.full(careless, NAMES.index(shown))])
+    able, play = possible(TOYS[toy].alone), child.play
+    kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([first, 0x7122])
+    free = HANDS.index("free")
+    likely = play.outcomes.predictive[0, kind, free, able, STATES.index(target)]
+    means = action_posterior(likely, play.outcomes.habits[0, kind, free, able]).probability
+    skilled = np.concatenate([np.repeat(able, TRIALS), rng.choice(able, MEANS, p=means)]) if not busy else able[:0]
+    which = np.concatenate([skilled, np.full(CARELESS, NAMES.index(shown))])
     return done(child, toy, which, np.arange(len(which)) >= len(skilled), first, busy=busy)[0]
 
 
@@ -83,7 +92,7 @@ def done(
     tracks = np.concatenate([tried.true.parts, tried.true.handles], 2)[looks].swapaxes(0, 1)
     outline = outlines(child.robot, tried.angles[looks])
     states, signal = TOYS[toy].state(tried.true), tried.true.signal[looks].T
-    return Trials(toy, which, states, careless, tracks, signal, outline), tried
+    return Trials(toy, which, states, careless, busy, tracks, signal, outline), tried
 
 
 def outlines(robot: str, angles: FloatArray) -> FloatArray:

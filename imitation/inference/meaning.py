@@ -93,6 +93,8 @@ def meant(
     somebody: float,
     *,
     gives_up: float = GIVES_UP,
+    goes_on: float = GOES_ON,
+    repeats: float = REPEATS,
 ) -> Meant:
     """Eq. (2) over presentations, mixed with "it just moves".
 
@@ -101,7 +103,7 @@ def meant(
         other: the thing as the other knows it.
         prior: (G,) P(g).
         somebody: P(somebody) before, by the looks.
-        gives_up: see `GIVES_UP`.
+        gives_up, goes_on, repeats: see `GIVES_UP`, `GOES_ON`, `REPEATS`.
     """
     goals, moves = np.asarray(prior, float) * somebody, np.full(len(other.habit), (1 - somebody) / len(other.habit))
     means, after = other.means, [(goals, moves)]
@@ -109,10 +111,10 @@ def meant(
         likely, stays = one.movement, np.ones(len(goals))
         if one.state is not None:
             likely = likely * other.outcomes[:, one.state]
-            stops = np.where(other.members[:, one.state], 1 - GOES_ON, gives_up)
+            stops = np.where(other.members[:, one.state], 1 - goes_on, gives_up)
             stays = 1 - stops if one.again else stops
             moves = moves / 2
-        moves = moves * (REPEATS * likely + (1 - REPEATS) * likely.mean())
+        moves = moves * (repeats * likely + (1 - repeats) * likely.mean())
         goals = goals * unobserved_action(likely, means) * stays
         total = goals.sum() + moves.sum()
         if total > 0:

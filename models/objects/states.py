@@ -58,10 +58,10 @@ def joined(seen: Watched, within: float) -> IntArray:
 
 
 def lit(seen: Watched) -> IntArray:
-    """(B,) whether it shone, and by which part: the one that was nearest as it lit up."""
+    """(B,) whether it shone, and by which part: of those that show, the one that was nearest as it lit up."""
     copies, first = np.arange(seen.signal.shape[1]), seen.signal.argmax(0)
     away = np.linalg.norm(seen.parts - seen.handles[:, :, :1], axis=-1)[first, copies]
-    by = np.where(away.argmin(-1) == HEAD, LIT_BY_HEAD, LIT_BY_HAND)
+    by = np.where(np.nan_to_num(away, nan=np.inf).argmin(-1) == HEAD, LIT_BY_HEAD, LIT_BY_HAND)
     return np.where(seen.signal.any(0), by, SAME)
 
 

@@ -11,6 +11,7 @@ import experiments.intentions.found as found
 import experiments.intentions.run as intentions
 import experiments.intentions.showing as showing
 import experiments.intentions.study as study
+import experiments.intentions.trials as trials
 import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
 from babbling.play import MIDDLE, PRIOR_STRENGTH, Play
@@ -75,6 +76,8 @@ def test_who_saw_somebody_fail_does_what_was_meant_and_who_saw_a_thing_fail_does
     somebody, thing = (reached(believed(IN_VAIN, p)) for p in (0.999, 1e-6))
     assert believed(IN_VAIN, 0.999).goal.argmax() == APART
     assert somebody > base + 0.2 and thing < base + 0.05
+    everybody = How(all_somebody=True)
+    assert reached(believed(IN_VAIN, 1e-6, everybody), how=everybody) > base + 0.2  # the difference is who it is
 
 
 def test_the_end_that_a_thing_brought_about_is_sought_all_the_same() -> None:
@@ -119,7 +122,7 @@ def made_up(toy: str, acts: list[tuple[str, int]]) -> Looks:
     which, states = np.array([NAMES.index(name) for name, _ in acts]), np.array([state for _, state in acts])
     count = len(acts)
     trials = Trials(
-        toy, which, states, np.zeros(count, bool), np.zeros((count, 2, 5, 3)), np.zeros((count, 2), bool),
+        toy, which, states, np.zeros(count, bool), False, np.zeros((count, 2, 5, 3)), np.zeros((count, 2), bool),
         np.zeros((count, 2, 7, 3)),
     )  # fmt: skip
     return Looks(trials, states, np.eye(len(NAMES))[which], np.eye(len(NAMES))[which])
@@ -217,7 +220,8 @@ def test_the_study_of_a_few(play: Path, hurried: None, tmp_path: Path, monkeypat
     monkeypatch.setattr(study, "CONDITIONS", few)
     monkeypatch.setattr(found, "CONDITIONS", few)
     monkeypatch.setattr(intentions, "OBJECTS", ("dumbbell", "outsized"))
-    monkeypatch.setattr(study, "TRIALS", 1)
+    monkeypatch.setattr(trials, "TRIALS", 1)
+    monkeypatch.setattr(trials, "MEANS", 2)
     monkeypatch.setattr(intentions, "FILM_SEEDS", range(2))
     monkeypatch.setattr(intentions, "SENSITIVITY", {"1 act": {"acts": 1}})
     monkeypatch.setattr(showing, "SHOWS", {**showing.SHOWS, "panel": showing.SHOWS["dumbbell"]})

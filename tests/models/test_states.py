@@ -98,6 +98,10 @@ def test_what_lit_it_is_what_was_nearest_when_it_lit_up() -> None:
     seen.parts[3:, 0, 2] = seen.parts[0, 1, 2] = 0.001  # nearer, but before or after
     seen.parts[2, 4] = [[0.03, 0, 0], [0, 0.03, 0], [0, 0, 0.029]]
     assert lit(seen).tolist() == [LIT_BY_HAND, LIT_BY_HAND, LIT_BY_HEAD, SAME, LIT_BY_HEAD]
+    under_a_blanket = seen.parts.copy()
+    under_a_blanket[:, :, :2] = np.nan
+    hidden = lit(Watched(seen.handles, under_a_blanket, seen.signal)).tolist()
+    assert hidden == [LIT_BY_HEAD, LIT_BY_HEAD, LIT_BY_HEAD, SAME, LIT_BY_HEAD]  # what does not show did not do it
 
 
 def test_a_buzz_outdoes_the_rest_however_short_it_was() -> None:
