@@ -36,11 +36,12 @@ class Config(Options):
     object: str = ""
     """With what; none named is the first of those that go with the condition."""
     play: ToRead | None = None
-    """What the children learned in play (`imitate play`); without one they play for 64 body-minutes first."""
+    """What the children learned in play (`imitate play`); without one they play for 51 body-minutes first."""
     memory: ToRead | None = None
     """What was inferred before (`memory.nc` of an earlier run), instead of being shown anything: a day later."""
-    child: Annotated[int, within(0, 10_000)] = 0
-    """Which of the children that played watches."""
+    child: Annotated[int | None, within(0, 10_000)] = None
+    """Which of the children that played watches, with nothing but its own experience; none named is one with the
+    experience of all of them."""
     shown: Annotated[int, within(1, 20)] = 3
     """How often it is shown."""
     acts: Annotated[int, within(1, 20)] = 3

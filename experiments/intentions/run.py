@@ -32,7 +32,7 @@ from experiments.intentions.trials import Trials, done
 from experiments.objects.deciding import IMITATORS
 from experiments.shared.children import Child, meet
 from experiments.shared.experiment import Result
-from experiments.shared.growing import played_for
+from experiments.shared.growing import played_shortly
 from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import Tried, at_table
 from experiments.shared.rounds import look_at_hands
@@ -44,8 +44,6 @@ from imitation.inference.meaning import Meant
 from models.objects import TOYS
 from models.objects.states import STATES
 
-QUICK_MINUTES = 64.0
-"""Body-minutes of play, where none was saved."""
 SHOWN_TRIES = 12
 """That the adult makes, of which those are shown that are asked for."""
 FILM_SEEDS = range(5)
@@ -85,7 +83,7 @@ def run(config: Config) -> Result:
             f"--object {config.toy}: {kind} was never played with, only {', '.join(child.play.kinds)}; "
             "play with it first"
         )
-    if config.child >= len(child.play.each):
+    if config.child is not None and config.child >= len(child.play.each):
         raise ExperimentError(f"--child {config.child}: {len(child.play.each)} children played, counted from 0")
     found = one(config, child, wants)
     rows = [
@@ -111,13 +109,14 @@ def again(more: bool) -> str:
 
 def who(config: Config) -> Child:
     """Who has played: from a file, or for a while now."""
-    return meet(config.play) if config.play is not None else played_for(QUICK_MINUTES, config.seed, config.workers)
+    return meet(config.play) if config.play is not None else played_shortly(config.seed, config.workers)
 
 
 def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
     """One child watches an adult with the skill of its playmates, and acts in physics."""
-    child = replace(group, play=group.play.alone(config.child))
-    rng = np.random.default_rng([config.seed, config.child, 0x1D])
+    number = 0 if config.child is None else config.child
+    child = group if config.child is None else replace(group, play=group.play.alone(number))
+    rng = np.random.default_rng([config.seed, number, 0x1D])
     how = how_of(config)
     agent, toy = Agent(child.play, how), config.toy
     kind, other = child.play.kinds.index(TOYS[toy].kind), SHOWS[toy].other or toy
@@ -151,7 +150,7 @@ def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
 
     def world(act: int, goal: int) -> int:
         body = at_table(toy, 1)
-        body.set_out(IMITATORS + 1000 * config.seed + 100 * config.child + len(tries))
+        body.set_out(IMITATORS + 1000 * config.seed + 100 * number + len(tries))
         which, play = np.array([act]), child.play
         aimed = np.array([goal]) if goal < len(STATES) else play.practised(kind)[which]
         tries.append(child.player.tries(body, which, aims(play, kind, which, aimed, "mean", rng), rng, keep=True))

@@ -17,15 +17,12 @@ from experiments.objects.study import HEADS, Task, measured, peer
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, meet
 from experiments.shared.experiment import Result
-from experiments.shared.growing import played_for
+from experiments.shared.growing import played_shortly
 from experiments.shared.parallel import in_parallel
 from experiments.shared.tables import table as markdown
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 from models.objects.states import STATES
-
-QUICK_MINUTES = 64.0
-"""Body-minutes of play, where none was saved."""
 
 
 def run(config: Config) -> Result:
@@ -72,7 +69,7 @@ def run(config: Config) -> Result:
 
 def who(config: Config) -> Child:
     """Who has played: from a file, or for a while now."""
-    return meet(config.play) if config.play is not None else played_for(QUICK_MINUTES, config.seed, config.workers)
+    return meet(config.play) if config.play is not None else played_shortly(config.seed, config.workers)
 
 
 def study(config: Config) -> Result:

@@ -156,9 +156,10 @@ def play_on(
     alike: dict[str, list[tuple[int, str]]] = {}
     for number, thing in enumerate(things):
         alike.setdefault(TOYS[thing.partition(":")[0]].kind, []).append((number, thing))
+    longest_first = sorted(alike.values(), key=len, reverse=True)
     while play.rounds < rounds:
         some = range(play.rounds, min(play.rounds + KEPT_EVERY, rounds))
-        tasks = [Task(mind, image, eyes, play, tuple(group), some, seed) for group in alike.values()]
+        tasks = [Task(mind, image, eyes, play, tuple(group), some, seed) for group in longest_first]
         for more in in_parallel(played, tasks, workers, f"round {some[-1] + 1} of {rounds}"):
             play = play.merged(more)
         play = replace(play, rounds=some[-1] + 1)
