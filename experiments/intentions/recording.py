@@ -26,6 +26,7 @@ from models.shapes import parts
 BESIDE: Final = 0.75
 """m between imitator and adult."""
 MANY: Final = (*SERIES, (230, 120, 120), (150, 220, 220), (240, 240, 240), (120, 120, 120))
+OVER: Final = "over"
 PROBABILITY: Final = rrb.ScalarAxis(range=(0.0, 1.05))
 POLES: Final = ((0, 3), (3, 5), (1, 4), (4, 6))
 """Of an outline: pincers to the ends of their poles."""
@@ -76,8 +77,8 @@ def _log_shown(stream: rr.RecordingStream, done: Done) -> int:
         states += became(tried, trials.toy, row)
         again = "again at once" if presentation.again else "then left"
         acts += [f"{NAMES[int(trials.which[row])]}, {again}"] * len(tried.path)
-    log_states(stream, "object/shown", dict.fromkeys(acts), acts, TICK_S)
-    log_states(stream, "object/shown_to", dict.fromkeys(STATES), states, TICK_S)
+    for entity, names, row in (("shown", dict.fromkeys(acts), acts), ("shown_to", dict.fromkeys(STATES), states)):
+        log_states(stream, f"object/{entity}", {**names, OVER: None}, [*row, OVER], TICK_S)
     return len(whole)
 
 
