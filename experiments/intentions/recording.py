@@ -77,8 +77,8 @@ def _log_shown(stream: rr.RecordingStream, done: Done) -> int:
         states += became(tried, trials.toy, row)
         again = "again at once" if presentation.again else "then left"
         acts += [f"{NAMES[int(trials.which[row])]}, {again}"] * len(tried.path)
-    for entity, names, row in (("shown", dict.fromkeys(acts), acts), ("shown_to", dict.fromkeys(STATES), states)):
-        log_states(stream, f"object/{entity}", {**names, OVER: None}, [*row, OVER], TICK_S)
+    for entity, names, told in (("shown", dict.fromkeys(acts), acts), ("shown_to", dict.fromkeys(STATES), states)):
+        log_states(stream, f"object/{entity}", {**names, OVER: None}, [*told, OVER], TICK_S)
     return len(whole)
 
 
