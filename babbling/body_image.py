@@ -31,6 +31,8 @@ MOST_JOINTS = 6
 AVERAGED = 5
 """Ticks averaged before they are summed; the law is linear in phi and direction, so nothing is lost but time."""
 LEAST_VARIANCE = 1e-9
+COMFORT = 1.2
+"""rad: how far from rest is still comfortable, a Gaussian of this width."""
 
 
 @dataclass(frozen=True)

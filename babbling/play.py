@@ -19,6 +19,7 @@ import numpy as np
 
 from babbling.axes import Axis, FloatArray, IntArray
 from babbling.body import OfOneBody
+from babbling.body_image import COMFORT
 from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
@@ -41,8 +42,6 @@ LEAST: Final = 2
 """Times that a state has come about before one aims for it."""
 CURIOUS: Final = 3.0
 """How many times more often what sometimes succeeds is done than what always or never does (at P = 1/2)."""
-COMFORT: Final = 1.2
-"""rad: how far from rest is still comfortable (as in `imitation.correspondence.inversion`)."""
 MOST: Final = 2.0**53
 _ACTS = "kind primitive"
 

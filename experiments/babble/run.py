@@ -3,14 +3,14 @@
 from pathlib import Path
 
 from babbling.balance import Balance
-from babbling.files import is_kind, save
+from babbling.files import save
 from babbling.mind import Mind
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import babbling_curve
 from experiments.saccades.options import Config as Looking
 from experiments.saccades.run import run as look
-from experiments.shared.experiment import as_json, check_out, publish, writing
+from experiments.shared.experiment import as_json, check_file, check_out, publish
 from experiments.shared.minds import body_of, learn_mind, people_say
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.options import must_stand
@@ -34,9 +34,9 @@ def command(config: Config) -> None:
         with_eyes(config)
         return
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
-    check_file(out)
+    check_file(out, Mind, "forward model", (out.with_suffix(".json"), out.with_suffix(".png")))
     if config.stand:
-        check_file(balance_file(out), Balance)
+        check_file(balance_file(out), Balance, "balance")
     checkpoint = out.with_name(out.name + ".partial")
     with progress(f"{config.robot} babbles") as report:
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
@@ -69,27 +69,6 @@ def command(config: Config) -> None:
 def balance_file(out: Path) -> Path:
     """Where balance is kept, beside the mind."""
     return out.with_suffix(".balance.nc")
-
-
-def check_file(out: Path, holds: type = Mind) -> None:
-    """Refuse early what could not be written, or should not be overwritten.
-
-    Raises:
-        ExperimentError: a directory, another kind of file, a place that cannot be written, or strangers beside it.
-    """
-    with writing(out, "file"):
-        if out.is_dir():
-            raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'hoap2.nc'}")
-        if out.suffix != ".nc":
-            raise ExperimentError(f"--out {out}: a forward model's file ends in .nc; name it {out.stem or 'robot'}.nc")
-        if out.exists():
-            if not is_kind(out, holds):
-                kind = "forward model" if holds is Mind else "balance"
-                raise ExperimentError(f"{out}: this is no {kind} and would be lost; choose another name")
-        elif holds is Mind and (
-            taken := [p.name for p in (out.with_suffix(".json"), out.with_suffix(".png")) if p.exists()]
-        ):
-            raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
 
 
 def with_eyes(config: Config) -> None:

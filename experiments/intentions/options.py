@@ -2,9 +2,8 @@
 
 from typing import Annotated, Literal
 
-from babbling.errors import unknown
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, Selection, ToRead, options, within
+from experiments.shared.options import Options, Selection, ToRead, one_of, options, within
 
 CONDITIONS = {
     **dict.fromkeys(
@@ -18,17 +17,11 @@ CONDITIONS = {
 """Conditions, and the objects each is run with: Meltzoff's five (1995), the one that is too large, the light panel."""
 
 
-def a_condition(option: str, name: str) -> None:
-    """A condition that there is."""
-    if name not in CONDITIONS:
-        raise ExperimentError(f"{option} {unknown('condition', name, CONDITIONS)}")
-
-
 @options
 class Config(Options):
     """Options of `imitate intentions`."""
 
-    condition: Annotated[str, a_condition] = "failed"
+    condition: Annotated[str, one_of("condition", CONDITIONS)] = "failed"
     """What is shown: target (the act succeeds), failed (it does not), failed_unlooked (by somebody who never looks up),
     baseline (nothing), manipulation (other acts), device_failed, device_success, outsized (an adult's hands slip off a
     large dumbbell), outsized_baseline, head_free, head_bound, head_none, intended or accidental (two effects, one by

@@ -32,7 +32,7 @@ from experiments.intentions.trials import Trials, done
 from experiments.objects.deciding import IMITATORS
 from experiments.shared.children import Child, meet
 from experiments.shared.experiment import Result
-from experiments.shared.growing import played_shortly
+from experiments.shared.growing import kind_of, who
 from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import Tried, at_table
 from experiments.shared.rounds import look_at_hands
@@ -76,13 +76,7 @@ def run(config: Config) -> Result:
     wants = wanted(config)
     if config.study:
         return study(config)
-    child = who(config)
-    kind = TOYS[config.toy].kind
-    if kind not in child.play.kinds:
-        raise ExperimentError(
-            f"--object {config.toy}: {kind} was never played with, only {', '.join(child.play.kinds)}; "
-            "play with it first"
-        )
+    child = who(config.play, config.seed, config.workers)
     if config.child is not None and config.child >= len(child.play.each):
         raise ExperimentError(f"--child {config.child}: {len(child.play.each)} children played, counted from 0")
     found = one(config, child, wants)
@@ -97,7 +91,7 @@ def run(config: Config) -> Result:
         *((f"act {n}", f"for {goal!r}: {act}: {state}") for n, (goal, act, state) in enumerate(found.acts, 1)),
     ]
     summary = f"# What was meant\n\n{table(rows)}"
-    memory = IntentMemory(child.play.fingerprint, kind, *found.belief)
+    memory = IntentMemory(child.play.fingerprint, TOYS[config.toy].kind, *found.belief)
     files = {"memory.nc": partial(save, memory)}
     return Result(found.metrics, summary, figures(found), lambda path: record(path, found, summary), files)
 
@@ -107,11 +101,6 @@ def again(more: bool) -> str:
     return ", and taken up again" if more else ", and left"
 
 
-def who(config: Config) -> Child:
-    """Who has played: from a file, or for a while now."""
-    return meet(config.play) if config.play is not None else played_shortly(config.seed, config.workers)
-
-
 def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
     """One child watches an adult with the skill of its playmates, and acts in physics."""
     number = 0 if config.child is None else config.child
@@ -119,7 +108,7 @@ def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
     rng = np.random.default_rng([config.seed, number, 0x1D])
     how = how_of(config)
     agent, toy = Agent(child.play, how), config.toy
-    kind, other = child.play.kinds.index(TOYS[toy].kind), SHOWS[toy].other or toy
+    kind, other = kind_of(group, toy), SHOWS[toy].other or toy
     adult, looks = None, {}
     condition = config.condition if config.memory is None else NOTHING[0]
     if not condition.endswith(NOTHING):
@@ -203,7 +192,7 @@ def shown_by(group: Child, config: Config, busy: bool) -> tuple[Trials, Tried]:
 def study(config: Config) -> Result:
     """Every condition."""
     began = time.perf_counter()
-    children = [meet(path) for path in config.plays] or [who(config)]
+    children = [meet(path) for path in config.plays] or [who(config.play, config.seed, config.workers)]
     each = ceil(config.agents / len(children))
     fewest = min(len(child.play.each) for child in children)
     if each > fewest:

@@ -2,34 +2,21 @@
 
 from typing import Annotated, Any, Literal
 
-from babbling.errors import unknown
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, Selection, ToRead, options, within
+from experiments.shared.options import Options, Selection, ToRead, one_of, options, within
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 
 CONDITIONS = ("live", "week", "room", "television", "peer", "none", "handled")
 
 
-def a_toy(option: str, name: str) -> None:
-    """An object that there is."""
-    if name not in TOYS:
-        raise ExperimentError(f"{option} {unknown('object', name, TOYS)}")
-
-
-def an_act(option: str, name: str) -> None:
-    """A primitive that there is."""
-    if name not in NAMES:
-        raise ExperimentError(f"{option} {unknown('act', name, NAMES)}")
-
-
 @options
 class Config(Options):
     """Options of `imitate objects`."""
 
-    object: Annotated[str, a_toy] = "panel"
+    object: Annotated[str, one_of("object", TOYS)] = "panel"
     """What the act is done with: dumbbell, wide-dumbbell, outsized, panel, box, loop, square or cup."""
-    act: Annotated[str, an_act] = "press with the head"
+    act: Annotated[str, one_of("act", NAMES)] = "press with the head"
     """What the teacher does: pull, spread, push together, squeeze, lift with both, press, press with the head, press
     the other, hold, lift, carry, carry and push, sweep."""
     condition: Literal["live", "week", "room", "television", "peer", "none", "handled"] = "live"

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from experiments.errors import ExperimentError
 from experiments.objects.deciding import UNSEEN, remembered, respond
 from experiments.objects.figures import figures, study_figures
 from experiments.objects.found import Done, Studied
@@ -15,13 +14,12 @@ from experiments.objects.recording import record
 from experiments.objects.showing import ROOM_TABLE_M, demonstrated, watched
 from experiments.objects.study import HEADS, Task, measured, peer
 from experiments.objects.week import a_week_later
-from experiments.shared.children import Child, meet
+from experiments.shared.children import meet
 from experiments.shared.experiment import Result
-from experiments.shared.growing import played_shortly
+from experiments.shared.growing import kind_of, who
 from experiments.shared.parallel import in_parallel
 from experiments.shared.tables import table as markdown
 from imitation.acting.primitives import NAMES
-from models.objects import TOYS
 from models.objects.states import STATES
 
 
@@ -30,19 +28,14 @@ def run(config: Config) -> Result:
     config.check()
     if config.study:
         return study(config)
-    child = who(config)
-    kind = TOYS[config.object].kind
-    if kind not in child.play.kinds:
-        raise ExperimentError(
-            f"--object {config.object}: {kind} was never played with, only {', '.join(child.play.kinds)}; "
-            "play with it first"
-        )
+    child = who(config.play, config.seed, config.workers)
+    kind = kind_of(child, config.object)
     rng, far = np.random.default_rng([config.seed, 0x0B]), config.further_m
     act = memory = None
     if config.condition != "none":
         doing = "lift with both" if config.condition == "handled" else config.act
         teacher = peer(config.seed + 1, child) if config.condition == "peer" else child
-        goal = int(child.play.practised(child.play.kinds.index(kind))[NAMES.index(doing)])
+        goal = int(child.play.practised(kind)[NAMES.index(doing)])
         state = None if goal < 0 or config.condition == "handled" else STATES[goal]
         table = ROOM_TABLE_M if config.condition == "room" else None
         act = demonstrated(teacher, config.object, doing, state, 1, config.seed, table=table, further=far, keep=True)
@@ -67,14 +60,9 @@ def run(config: Config) -> Result:
     return Result(done.metrics, summary, figures(done), lambda path: record(path, done, summary))
 
 
-def who(config: Config) -> Child:
-    """Who has played: from a file, or for a while now."""
-    return meet(config.play) if config.play is not None else played_shortly(config.seed, config.workers)
-
-
 def study(config: Config) -> Result:
     """Every figure, over agents and plays."""
-    plays = [meet(path) for path in config.plays] or [who(config)]
+    plays = [meet(path) for path in config.plays] or [who(config.play, config.seed, config.workers)]
     each = ceil(config.agents / len(plays))
     parts = ("tables", "watching", "success", "new", "apart", *HEADS)
     one = Task("", plays[0], plays[0], 0, each, config.acts, config.selection, config.seed)

@@ -5,14 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from babbling.files import is_kind, load, save
+from babbling.files import load, save
 from babbling.mind import Mind
 from babbling.play import HANDS, Play
 from experiments.errors import ExperimentError
 from experiments.play.figures import outcomes
 from experiments.play.options import Config
 from experiments.shared.children import NAMED, Child, beside, born, keep, keep_beside, meet, merged
-from experiments.shared.experiment import as_json, writing
+from experiments.shared.experiment import as_json, check_file
 from experiments.shared.pixels import watch_hands
 from experiments.shared.progress import progress
 from experiments.shared.rounds import PLAYED, empty, kinds, play_on, rounds_of, usable
@@ -29,7 +29,7 @@ def command(config: Config) -> None:
     config.check()
     things = usable(config.things or PLAYED)
     out = config.out or Path("runs") / "play.nc"
-    check_file(out, bool(config.merge))
+    check_file(out, Play, "play", others(out), new=bool(config.merge))
     started = time.perf_counter()
     if config.merge:
         child = merged(config.merge)
@@ -112,20 +112,3 @@ def begin(config: Config, things: tuple[str, ...], out: Path) -> Child:
 def others(out: Path) -> list[Path]:
     """What is left beside the play."""
     return [*(beside(out, what) for what in NAMED), out.with_suffix(".json"), out.with_suffix(".png")]
-
-
-def check_file(out: Path, new: bool) -> None:
-    """Refuse early what could not be written, or should not be overwritten.
-
-    Raises:
-        ExperimentError: a directory, another kind of file, strangers beside it, a place that cannot be written.
-    """
-    with writing(out, "file"):
-        if out.is_dir() or out.suffix != ".nc":
-            raise ExperimentError(
-                f"--out {out}: a play's file ends in .nc; name a file such as {out.stem or 'play'}.nc"
-            )
-        if out.exists() and (new or not is_kind(out, Play)):
-            raise ExperimentError(f"{out}: this file is there already and would be lost; choose another name")
-        if not out.exists() and (taken := [file.name for file in others(out) if file.exists()]):
-            raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")

@@ -9,13 +9,14 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from babbling.files import is_kind
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
 
@@ -113,6 +114,31 @@ def writing(out: Path, kind: str = "folder") -> Iterator[None]:
     except OSError as error:
         why = error.strerror or error
         raise ExperimentError(f"--out {out}: cannot be written ({why}); name a {kind} that can") from error
+
+
+def check_file(out: Path, holds: type, what: str, beside: Sequence[Path] = (), *, new: bool = False) -> None:
+    """Refuse early a file that could not be written, or should not be overwritten.
+
+    Args:
+        out: the file.
+        holds: the kind of thing that it may hold already.
+        what: its name, for people.
+        beside: files that are left beside it.
+        new: whether it may not be there at all.
+
+    Raises:
+        ExperimentError: a directory, another kind of file, strangers beside it, a place that cannot be written.
+    """
+    with writing(out, "file"):
+        if out.is_dir():
+            raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'learned.nc'}")
+        if out.suffix != ".nc":
+            raise ExperimentError(f"--out {out}: a {what}'s file ends in .nc; name it {out.stem or 'learned'}.nc")
+        if out.exists() and (new or not is_kind(out, holds)):
+            said = "is there already" if new else f"is no {what}"
+            raise ExperimentError(f"{out}: this {said} and would be lost; choose another name")
+        if not out.exists() and (taken := [file.name for file in beside if file.exists()]):
+            raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
 
 
 def _strangers(out: Path) -> list[str]:

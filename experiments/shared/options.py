@@ -3,7 +3,7 @@
 What stands here and in every `experiments/NAME/options.py` is light to load: help and refusals are quick.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from inspect import get_annotations
 from math import inf
@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar, dataclass_transform, get_ar
 
 import tyro
 
+from babbling.errors import unknown
 from experiments.errors import ExperimentError
 from imitation.inference.selection import selection_rule
 from models.files import checked
@@ -46,6 +47,16 @@ def some(option: str, value: int | tuple[str, ...]) -> None:
     """A count, or a list, of at least one."""
     if (value if isinstance(value, int) else len(value)) < 1:
         raise ExperimentError(f"{option} {value or 0}: at least 1 is needed")
+
+
+def one_of(what: str, names: Collection[str]) -> Rule:
+    """A name that there is."""
+
+    def rule(option: str, name: str) -> None:
+        if name not in names:
+            raise ExperimentError(f"{option} {unknown(what, name, names)}")
+
+    return rule
 
 
 def file(option: str, path: Path | str) -> None:

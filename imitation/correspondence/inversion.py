@@ -14,12 +14,12 @@ from typing import Protocol
 import numpy as np
 
 from babbling.axes import FloatArray, IntArray
-from babbling.body_image import Image
+from babbling.body_image import COMFORT, Image
 from imitation.correspondence.limbs import OwnLimb
 from imitation.inference.bayes import action_posterior
 
-NEAR, COMFORT = 0.35, 1.2
-"""rad: how far a posture of the library usually lies from the one before, and from rest."""
+NEAR = 0.35
+"""rad: how far a posture of the library usually lies from the one before; from rest, `COMFORT`."""
 COARSE = 0.3
 """rad: how far directions lie off in the nearest of the library's postures."""
 STIFF = 3e-7

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imitation.correspondence.inversion import COMFORT, JUMP, NEAR, _library, _path, choose
+from babbling.body_image import COMFORT
+from imitation.correspondence.inversion import JUMP, NEAR, _library, _path, choose
 from tests.imitation.planar import image, pointing, view
 
 WEIGHTS = np.array([[1.0, 0.05]])
