@@ -11,7 +11,6 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.files import load, save
 from experiments.errors import ExperimentError
-from experiments.intentions import films
 from experiments.intentions.agents import GOALS, Agent, Belief, How
 from experiments.intentions.figures import figures, study_figures
 from experiments.intentions.found import Done, Studied
@@ -27,7 +26,7 @@ from experiments.intentions.showing import (
     presented,
     somebody,
 )
-from experiments.intentions.study import OBJECTS, USUAL, Population, Tries, answered, tried
+from experiments.intentions.study import OBJECTS, USUAL, Population, Tries, part, tried
 from experiments.intentions.trials import Trials, done
 from experiments.objects.deciding import IMITATORS
 from experiments.shared.children import Child, meet
@@ -212,8 +211,8 @@ def study(config: Config) -> Result:
                    config.seed)
         for n, child in enumerate(children)
     ]  # fmt: skip
-    answers = in_parallel(answered, populations, config.workers, "watching and acting")
-    seen = films.films(FILM_SEEDS)
+    parts: list[Population | range] = [*populations, FILM_SEEDS]
+    *answers, seen = in_parallel(part, parts, config.workers, "watching and acting")
     found = Studied([child.play for child in children], answers, list(hows), seen, time.perf_counter() - began)
     metrics = found.metrics | {"how": asdict(usual)}
     return Result(metrics, "# Intentions\n\n" + table(told(metrics)), study_figures(found, metrics))

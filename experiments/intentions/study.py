@@ -8,6 +8,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.play import HANDS
+from experiments.intentions import films
 from experiments.intentions.agents import Agent, Did, How, emulation
 from experiments.intentions.inferring import inferred
 from experiments.intentions.options import CONDITIONS
@@ -19,7 +20,7 @@ from experiments.shared.rounds import look_at_hands
 from models.objects import TOYS
 from models.objects.states import SAME
 
-ADULT_ACTS = 4
+ADULT_ACTS = 3
 """Tries by which it is judged who is somebody."""
 USUAL = "as they are"
 """The way of being an imitator that counts; others show what depends on what."""
@@ -89,6 +90,11 @@ def answered(task: Population) -> dict[str, Any]:
         }
         found[name] = {key: one for key, one in conditions.items() if one is not None}
     return found
+
+
+def part(task: "Population | range") -> dict[str, Any]:
+    """A population, or the films that observers of these seeds see."""
+    return answered(task) if isinstance(task, Population) else films.films(task)
 
 
 def each_answers(
