@@ -29,7 +29,7 @@ class Config(Options):
     object: str = ""
     """With what; none named is the first of those that go with the condition."""
     play: ToRead | None = None
-    """What the children learned in play (`imitate play`); without one they play for 51 body-minutes first."""
+    """What the children learned in play (`imitate play`); without one they play for 38 body-minutes first."""
     memory: ToRead | None = None
     """What was inferred before (`memory.nc` of an earlier run), instead of being shown anything: a day later."""
     child: Annotated[int | None, within(0, 10_000)] = None

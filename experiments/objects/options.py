@@ -26,7 +26,7 @@ class Config(Options):
     seeing: Literal["points", "pixels"] = "points"
     """How the teacher is seen: as points with 3 mm of noise, or on images of two cameras (one for television)."""
     play: ToRead | None = None
-    """What the imitator learned in play (`imitate play`); without one it plays for 51 body-minutes first."""
+    """What the imitator learned in play (`imitate play`); without one it plays for 38 body-minutes first."""
     further_m: Annotated[float, within(-0.05, 0.5, "m")] = 0.0
     """How much further away the object stands than usual, m."""
     acts: Annotated[int, within(1, 20)] = 3
