@@ -20,7 +20,7 @@ from experiments.shared.rounds import look_at_hands
 from models.objects import TOYS
 from models.objects.states import SAME
 
-ADULT_ACTS = 3
+ADULT_ACTS = 4
 """Tries by which it is judged who is somebody."""
 USUAL = "as they are"
 """The way of being an imitator that counts; others show what depends on what."""

@@ -16,9 +16,9 @@ from models.objects import TOYS
 from models.objects.sight import Hands
 from models.objects.states import STATES
 
-TRIALS, MEANS = 2, 10
+TRIALS, MEANS = 2, 12
 """Of every primitive with every object, for each play; more of those that Eq. (1) would choose for what is shown."""
-CARELESS = 10
+CARELESS = 12
 """Of the act that is to be shown, aimed anywhere: what fails, fails in physics."""
 SPECIMENS = 8_000_000
 """Specimens from here on; play has others."""
@@ -72,8 +72,7 @@ def trials(child: Child, toy: str, shown: str, target: str, first: int, *, busy:
     means = action_posterior(likely, play.outcomes.habits[0, kind, free, able]).probability
     skilled = np.concatenate([np.repeat(able, TRIALS), rng.choice(able, MEANS, p=means)]) if not busy else able[:0]
     which = np.concatenate([skilled, np.full(CARELESS, NAMES.index(shown))])
-    careless = (np.arange(len(which)) >= len(skilled)) & (not busy)
-    return done(child, toy, which, careless, first, busy=busy)[0]
+    return done(child, toy, which, np.arange(len(which)) >= len(skilled), first, busy=busy)[0]
 
 
 def done(
