@@ -247,6 +247,6 @@ class Play(OfOneBody):
 
 
 def usually(liked: FloatArray, done: IntArray) -> FloatArray:
-    """(..., N) shares of what was done again, of which what was ever done is the prior (see `Play.habits`)."""
+    """(..., N) shares of what was done again, of which what was ever done is the prior (see `Play.liking`)."""
     prior = (done + 1 / done.shape[-1]) / (done.sum(-1, keepdims=True) + 1)
     return np.asarray((liked + PRIOR_STRENGTH * prior) / (liked.sum(-1, keepdims=True) + PRIOR_STRENGTH))

@@ -78,8 +78,9 @@ def pursued(knows: Knowing, wants: FloatArray, trials: Trials, rng: np.random.Ge
     goals = rng.choice(len(GOALS), PRESENTATIONS, p=wants)
     rows = list[int]()
     able = np.bincount(trials.which[~trials.careless], minlength=len(knows.habit)) > 0
+    by_goal = np.where(able, knows.means, 0)
     for goal in goals:
-        means = np.where(able, knows.means[goal], 0)
+        means = by_goal[goal]
         act = rng.choice(len(means), p=means / means.sum())
         rows.append(int(rng.choice(np.flatnonzero((trials.which == act) & ~trials.careless))))
     return goals, np.array(rows)

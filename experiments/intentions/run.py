@@ -18,6 +18,7 @@ from experiments.intentions.options import Config
 from experiments.intentions.recording import record
 from experiments.intentions.showing import (
     HANDLING,
+    IN_VAIN,
     NOTHING,
     SHOWS,
     TWO_EFFECTS,
@@ -184,7 +185,7 @@ def shown_by(group: Child, config: Config, busy: bool) -> tuple[Trials, Tried]:
     if config.condition in ("intended", "accidental"):
         acts = [acts[0], TWO_EFFECTS[toy][0]]
     which = np.resize([NAMES.index(name) for name in acts], SHOWN_TRIES)
-    fails = config.condition in ("failed", "failed_unlooked", "device_failed", "outsized")
+    fails = config.condition in IN_VAIN
     return done(group, toy, which, np.full(SHOWN_TRIES, fails), 1000 * config.seed, busy=busy, keep=True)
 
 

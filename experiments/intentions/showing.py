@@ -47,6 +47,8 @@ TWO_EFFECTS: Final = {"dumbbell": ("lift with both", "up"), "cup": ("lift", "up"
 """Objects with a second effect, for what is done by accident (Carpenter et al. 1998)."""
 HANDS_SEEN: Final = slice(0, 2)
 """Of the five places of a track."""
+IN_VAIN: Final = ("failed", "failed_unlooked", "device_failed", "outsized")
+"""Conditions in which what is shown does not come off."""
 NOTHING: Final = ("baseline", "none")
 """What conditions end in where nothing is shown."""
 CONTACT: Final = (0.7, 0.05)
@@ -180,7 +182,7 @@ def presented(
     if condition == "manipulation":
         handling = np.isin(look.trials.which, [NAMES.index(name) for name in HANDLING])
         rows, again = np.flatnonzero(handling & (look.trials.states != target)), left
-    elif condition in ("failed", "failed_unlooked", "device_failed", "outsized"):
+    elif condition in IN_VAIN:
         rows, again = look.trials.rows(act, never=target), kept_on
     else:  # target, device_success, head
         rows, again = look.trials.rows(act, target), left

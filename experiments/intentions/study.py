@@ -1,6 +1,6 @@
 """Every condition, over many imitators of several plays, each with an experience of its own; beside two peers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,9 +82,11 @@ def answered(task: Population) -> dict[str, Any]:
     bodies = {body: likeness(image, seen, body, rng) for body in BODIES}
     goals = inferred(task.child, task.adult, task.adults, task.seed + 10 * task.number)
     found: dict[str, Any] = {"bodies": bodies, "inferred": goals}
+    children = [task.child.play.alone(n) for n in range(task.agents)]
     for name, how in task.hows.items():
+        agents = [Agent(play, how) for play in children]
         conditions = {
-            (condition, toy): each_answers(task, looks, bodies, condition, toy, how)
+            (condition, toy): each_answers(task, looks, bodies, condition, toy, agents)
             for condition, toys in CONDITIONS.items()
             for toy in toys
         }
@@ -98,18 +100,23 @@ def part(task: "Population | range") -> dict[str, Any]:
 
 
 def each_answers(
-    task: Population, looks: dict[str, Looks], bodies: dict[str, FloatArray], condition: str, toy: str, how: How
+    task: Population,
+    looks: dict[str, Looks],
+    bodies: dict[str, FloatArray],
+    condition: str,
+    toy: str,
+    agents: Sequence[Agent],
 ) -> Answers | None:
     """What every child of one play does in one condition."""
     play, kind = task.child.play, task.child.play.kinds.index(TOYS[toy].kind)
     other = kind if SHOWS[toy].other is None else play.kinds.index(TOYS[SHOWS[toy].other or ""].kind)
     rows = list[tuple[bool, int, bool, bool, bool]]()
-    for n in range(task.agents):
+    for n, agent in enumerate(agents):
         rng = np.random.default_rng([task.seed, task.number, n, *condition.encode(), *toy.encode()])
-        shown = presented(condition, toy, looks, how.shown, rng, how.as_itself)
+        shown = presented(condition, toy, looks, agent.how.shown, rng, agent.how.as_itself)
         if shown is None:
             return None
-        agent, world = Agent(play.alone(n % len(play.each)), how), world_of(task.own[toy], rng)
+        world = world_of(task.own[toy], rng)
         belief = agent.nothing_seen
         if shown.seen:
             likely = by_looks(bodies[shown.body], shown.contact)
