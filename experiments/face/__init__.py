@@ -1,0 +1,1 @@
+"""Imitating faces never seen of oneself."""
