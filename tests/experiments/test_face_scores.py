@@ -11,7 +11,20 @@ from scipy.stats import binom, binomtest, chi2_contingency, ttest_1samp
 from babbling.axes import IntArray
 from experiments.errors import ExperimentError
 from experiments.face.power_figure import power_figure
-from experiments.face.scores import LEVEL, MOUTH, NS, SCORES, TONGUE, Powers, above, beyond, effect_size, power
+from experiments.face.scores import (
+    LEVEL,
+    MOUTH,
+    NS,
+    SCORES,
+    TONGUE,
+    Powers,
+    above,
+    beyond,
+    cross_target,
+    cross_target_shares,
+    effect_size,
+    power,
+)
 from experiments.face.theories import GESTURES, LABELS, OBJECTS, PASSIVE, STRANGE, THEORIES, Infants, Theory
 
 AROUSAL, LIKED = "arousal, all models alike", "arousal, tongue 1.6 x"
@@ -121,6 +134,14 @@ def test_a_gesture_is_compared_with_the_same_act_while_others_are_shown() -> Non
     assert mouth == [counts[0, 0, 1, MOUTH] - counts[0, 0, m, MOUTH] for m in (0, 2, 3)]
     assert all(score.protocol.models[:2] == (GESTURES[TONGUE], GESTURES[MOUTH]) for score in SCORES.values())
     assert {len(score.protocol.models) for score in SCORES.values()} == {3, 11}
+
+
+def test_who_does_nothing_in_a_period_has_no_share_to_compare() -> None:
+    counts = np.zeros((1, 6, 3, len(GESTURES)), int)
+    counts[:, :, 0, TONGUE] = 3
+    assert cross_target(counts).all() and not cross_target_shares(counts).any()
+    counts[:, :, 1, MOUTH] = 1
+    assert cross_target_shares(counts).all()
 
 
 @pytest.mark.parametrize("n", [2, 6, 40])
