@@ -7,6 +7,7 @@ and what sensors of the MJCF are asked for by name (touch, gyro, accelerometer .
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import mujoco.batch
@@ -33,12 +34,13 @@ class SimulatedBody:
         copies: how many bodies.
         threads: worker threads (results do not depend on it).
         tick_s: control tick; an integer number of physics steps.
-        noise: standard deviation of the angle sense, rad. The speed sense gets sqrt(2) noise / tick_s, as if the
+        noise: standard deviation of the angle sense, rad (m of what slides), one or (M,). The speed sense gets sqrt(2) noise / tick_s, as if the
             drive differenced two such readings.
         wear: worn gears.
         motors: joints whose motors it has, in that order; none named is all. The rest holds still at home.
         sensors: names of the model's <sensor> elements that are felt too; see `models.senses.sensor_channels`.
         scramble: seed of an unknown wiring, or None for straight.
+        scramble_senses: whether it permutes the senses too.
         seed: randomness of the sensor noise.
 
     Raises:
@@ -53,11 +55,12 @@ class SimulatedBody:
         copies: int = 1,
         threads: int = 2,
         tick_s: float = 0.02,
-        noise: float = 0.0,
+        noise: FloatArray | float = 0.0,
         wear: Wear | None = None,
         motors: Sequence[str] = (),
         sensors: Sequence[str] = (),
         scramble: int | None = None,
+        scramble_senses: bool = True,
         seed: int = 0,
     ) -> None:
         self.name, self.tick_s = name, tick_s
@@ -82,6 +85,7 @@ class SimulatedBody:
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self.joint_range: FloatArray = model.jnt_range[joints].copy()
         control: FloatArray = model.actuator_ctrlrange[self._servos]
+        self._low, self._high = control.T.copy()
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
         self._key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
         low, high = self.joint_range.T
@@ -97,6 +101,8 @@ class SimulatedBody:
         )
         count, felt = len(self.joints), len(Senses(channels))
         self.wiring = Wiring.straight(count, felt) if scramble is None else Wiring.scrambled(count, felt, scramble)
+        if not scramble_senses:
+            self.wiring = replace(self.wiring, sense=np.arange(felt))
         self.senses = Senses(channels, self.wiring.sense)
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self.sense_labels = self.senses.labels  # for people only
@@ -141,7 +147,7 @@ class SimulatedBody:
         if not np.isfinite(motors).all():
             raise BodyError(f"{self.name}: a motor command is not a number at {self.time:.2f} s")
         command = self.commands(np.take_along_axis(np.asarray(motors, float), self._plugs, 1))
-        self.batch.ctrl[:, self._servos] = self.wear.follow(self._played, command)
+        self.batch.ctrl[:, self._servos] = self.wear.follow(self._played, command, self._low, self._high)
         warnings = self.batch.warning[..., 1].copy()
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
@@ -289,7 +295,8 @@ def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: floa
         model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
         model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid,
-        np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]), "\n".join(parts).encode(),
+        np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]),
+        np.array([wear.of_range, wear.steepness]) if wear.of_range or wear.steepness else b"", "\n".join(parts).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import expit
 
 from models.arrays import FloatArray
 from models.errors import BodyError
@@ -21,31 +23,55 @@ class Wear:
     """What years, or air instead of a gear, do to a servo.
 
     Law: the servo follows sum_i p_i F_i[command], a Prandtl-Ishlinskii operator (Krasnosel'skii & Pokrovskii 1989),
-    with shares p_i and plays F_i, each within half its width of the command. One play alone is a gear's backlash.
+    with shares p_i and plays F_i, each within half its width of the command. One play alone is a gear's backlash. Skin
+    and sinews follow along a sigmoid besides, x and the result as shares of the range:
+
+        (f(x) - f(0)) / (f(1) - f(0)),   f(x) = 1 / (1 + exp(-K (x - 1/2)))
+
+    (K is `steepness`, 0 for none), as the surface of the robot face Affetto does (Ishihara et al. 2018, Front Robot AI
+    5:119).
 
     Raises:
-        BodyError: a width below 0, or shares that are not one for each width, above 0 and 1 together.
+        BodyError: a width or steepness below 0, or shares that are not one for each width, above 0 and 1 together.
     """
 
     friction_factor: float = 1.0
     """Multiplies every joint's dry friction (stiction)."""
     backlash: tuple[float, ...] = (0.0,)
-    """Widths of the plays, rad."""
+    """Widths of the plays, rad, or shares of each motor's range."""
     shares: tuple[float, ...] = (1.0,)
     """Shares of the plays."""
+    of_range: bool = False
+    """Whether widths are shares of the range."""
+    steepness: float = 0.0
+    """Of the sigmoid, K; 0 for none."""
 
     def __post_init__(self) -> None:
         widths, shares = self.backlash, self.shares
-        if len(widths) != len(shares) or min(widths) < 0 or min(shares) <= 0 or abs(sum(shares) - 1) > 1e-9:
+        uneven = len(widths) != len(shares) or min(shares) <= 0 or abs(sum(shares) - 1) > 1e-9
+        if uneven or min(widths) < 0 or not self.steepness >= 0:
             raise BodyError(
-                f"plays of widths {widths} with shares {shares}: each width needs a share above 0, all shares make 1"
+                f"plays of widths {widths} with shares {shares}, a sigmoid of steepness {self.steepness:g}: each width "
+                "needs a share above 0, all shares make 1, and nothing is below 0"
             )
 
-    def follow(self, played: FloatArray, command: FloatArray) -> FloatArray:
-        """(B, M) angles that the servos follow; the (P, B, M) plays are moved in place to where they now are."""
-        half = np.array(self.backlash)[:, None, None] / 2
+    def follow(self, played: FloatArray, command: FloatArray, low: ArrayLike, high: ArrayLike) -> FloatArray:
+        """(B, M) positions that the servos follow; the (P, B, M) plays are moved in place to where they now are.
+
+        Args:
+            played: where the plays were.
+            command: (B, M).
+            low: (M,) least command.
+            high: (M,) largest command.
+        """
+        low, span = np.asarray(low, float), np.subtract(high, low)
+        half = np.array(self.backlash)[:, None, None] / 2 * (span if self.of_range else 1.0)
         np.clip(played, command - half, command + half, out=played)
-        return np.asarray((np.array(self.shares)[:, None, None] * played).sum(0))
+        followed = (np.array(self.shares)[:, None, None] * played).sum(0)
+        if self.steepness:
+            end = expit(self.steepness / 2)
+            followed = low + span * (expit(self.steepness * ((followed - low) / span - 0.5)) - 1 + end) / (2 * end - 1)
+        return np.asarray(followed)
 
 
 @dataclass(frozen=True)

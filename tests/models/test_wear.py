@@ -23,7 +23,7 @@ PLAYS = Wear(1.0, (0.0, 0.1, 0.3), (0.5, 0.3, 0.2))
 def followed(wear: Wear, commands: Array) -> Array:
     """What follows (T,) commands, from rest at 0."""
     played = np.zeros((len(wear.backlash), 1, 1))
-    return np.array([wear.follow(played, np.full((1, 1), one))[0, 0] for one in commands])
+    return np.array([wear.follow(played, np.full((1, 1), one), -1.0, 1.0)[0, 0] for one in commands])
 
 
 def leg(start: float, end: float, steps: int) -> Array:

@@ -1,0 +1,79 @@
+"""Felt relations: how one's own organs stand to each other, as joints and touch tell it in the dark.
+
+Infants learn by babbling which commands bring the tongue to, between and beyond the lips (chapter, section 2.1, after
+Meltzoff & Moore 1997). What is felt of it has no unit but one's own: lengths in widths of the mouth, angles in quarter
+turns, so that it can be held against what is seen of somebody else. Innate are which sense belongs to which relation
+(in the dark nothing could tell) and the sizes below; where lips part and where the tongue meets them is found by touch:
+
+    gap = 2 J sin((jaw - jaw_0) / 2)        beyond = (slide - slide_0) / W - L - T (1 - cos yaw cos pitch) - purse
+    side = T sin yaw             up = T sin pitch            purse = F lips / W        brow = brows / W
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Final
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.errors import BabblingError
+from babbling.kinds import Numbers
+
+RELATIONS: Final = ("gap", "beyond", "side", "up", "purse", "brow", "turn", "nod")
+"""In the order of the joints' senses."""
+MOUTH_M: Final = 0.026
+"""W, of one's own mouth."""
+JAW, LIP, TONGUE, FORWARD = 1.74, 0.19, 0.56, 0.8
+"""J, L and T, widths of the mouth: from the jaw's hinge to the lips, through a lip, from the tongue's hinge to its tip;
+F, how far lips go forward for all that they go."""
+LIPS, TIP = slice(16, 20), 20
+"""Senses of touch, after those of eight joints and their speeds: upper and lower lip, left and right; tongue."""
+TOUCHED_N: Final = 0.01
+FEWEST: Final = 3
+"""Acts that must have shown a place."""
+
+
+@dataclass(frozen=True)
+class Landmarks:
+    """What touch has told."""
+
+    parted: Annotated[float, Numbers(unit="rad", low=-1, high=1)]
+    """jaw_0, at which the lips part."""
+    met: Annotated[float, Numbers(unit="m", low=-1, high=1)]
+    """slide_0, at which the tongue meets the lips from inside."""
+
+    @classmethod
+    def felt(cls, senses: FloatArray) -> "Landmarks":
+        """Out of the (N, S) senses at the ends of acts.
+
+        Raises:
+            BabblingError: too few acts showed where lips part, or where the tongue meets them.
+        """
+        lips = (senses[:, LIPS] > TOUCHED_N).any(1)
+        tongue = senses[:, TIP] > TOUCHED_N
+        shut = lips & ~tongue
+        if shut.sum() < FEWEST:
+            raise BabblingError("the lips were hardly ever felt to touch: babble longer")
+        parted = float(np.median(senses[shut, 0]))
+        inside = tongue & (senses[:, 0] < parted + 0.01) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
+        if inside.sum() < FEWEST:
+            raise BabblingError("the tongue was hardly ever felt to meet the lips from inside: babble longer")
+        return cls(parted, float(np.median((senses[:, 1] - FORWARD * senses[:, 4])[inside])))  # it pushes them
+
+    def relations(self, senses: FloatArray) -> FloatArray:
+        """(..., 8) `RELATIONS` of (..., S) senses."""
+        jaw, slide, yaw, pitch, lips, brows, turn, nod = np.moveaxis(senses[..., :8], -1, 0)
+        purse = FORWARD * lips / MOUTH_M
+        bent = TONGUE * (1 - np.cos(yaw) * np.cos(pitch))
+        return np.stack(
+            [
+                2 * JAW * np.sin((jaw - self.parted) / 2),
+                (slide - self.met) / MOUTH_M - LIP - bent - purse,
+                TONGUE * np.sin(yaw),
+                TONGUE * np.sin(pitch),
+                purse,
+                brows / MOUTH_M,
+                turn / (np.pi / 2),
+                nod / (np.pi / 2),
+            ],
+            axis=-1,
+        )
