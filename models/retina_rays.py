@@ -15,6 +15,7 @@ interpolated; what they show is certain, only their shading is bilinear instead 
 ray per pixel, and pixels at a visible edge several.
 """
 
+from copy import copy
 from typing import NamedTuple
 
 import mujoco
@@ -70,6 +71,7 @@ class RayEye(Eye):
 
     def __init__(self, model: mujoco.MjModel, camera: str, options: RetinaOptions) -> None:
         super().__init__(model, camera, options)
+        self._rayed = _rayed(model)
         self._own_body = int(model.cam_bodyid[self._camera]) or -1  # a camera fixed to the world has no case
         self._convex = np.append(np.isin(model.geom_type, _CONVEX), True)  # the last is geom -1, nothing at all
         self._half = model.geom_aabb[:, 3:] + 1e-9
@@ -119,8 +121,9 @@ class RayEye(Eye):
         geom = np.empty(count, np.int32)
         depth = np.empty(count)
         normal = np.zeros(3 * count)
+        self._rayed.geom_rgba[:] = self._model.geom_rgba  # what is transparent is not there
         mujoco.mj_multiRay(
-            self._model, data, data.cam_xpos[self._camera], direction.ravel(), VISIBLE_GROUPS, 1, self._own_body,
+            self._rayed, data, data.cam_xpos[self._camera], direction.ravel(), VISIBLE_GROUPS, 1, self._own_body,
             geom, depth, normal, count, mujoco.mjMAXVAL,
         )  # fmt: skip
         depth[geom < 0] = FAR
@@ -187,6 +190,25 @@ class RayEye(Eye):
         columns = _touches(seen[:, :, 0], depth, self._corner_rays[0, :, 0])
         rows = _touches(-seen[:, :, 1], depth, -self._corner_rays[:, 0, 1])
         return np.asarray((unbounded | (ahead & rows))[:, :, None] & (unbounded | columns)[:, None, :])
+
+
+def _rayed(model: mujoco.MjModel) -> mujoco.MjModel:
+    """A copy through which `mj_multiRay` meets what `mj_ray` meets; for rays alone, its bodies may not collide.
+
+    MuJoCo 3.17 skips a body where a ray misses the sphere around the box of its colliding geoms, should it have any.
+    What is only seen may lie outside, and the box's middle, in the body's inertial frame, is taken as if that were not
+    turned. Here every sphere is about that frame's origin and around all geoms. There are at most as many as MuJoCo
+    had boxes for bodies: the largest bodies have one each, all others share the last.
+    """
+    reach = np.linalg.norm(model.geom_pos - model.body_ipos[model.geom_bodyid], axis=1) + model.geom_rbound
+    reach[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = mujoco.mjMAXVAL
+    radius = np.zeros(model.nbody)
+    np.maximum.at(radius, model.geom_bodyid, reach)
+    largest, count = np.argsort(-radius), min(model.nbody, int(model.body_bvhnum.sum()))
+    rayed = copy(model)
+    rayed.bvh_aabb[:count] = np.pad(radius[largest[:count], None], ((0, 0), (3, 2)))  # meshes' boxes stand behind
+    rayed.body_bvhadr[largest] = np.minimum(np.arange(model.nbody), count - 1)  # -1: nothing is skipped
+    return rayed
 
 
 def _shade(hits: Hits, lights: Lights) -> Levels:

@@ -29,9 +29,6 @@ OFF, LIT = (1.0, 0.45, 0.0), (1.0, 0.85, 0.0)
 """Of a light that is off, as any `a`, and on."""
 PATCH_M: Final = 0.011
 """m, radius of the patch."""
-SEEN_ONLY: Final = 8
-"""Contact bit of what only eyes meet: nothing answers to it. Rays miss a body's geoms outside the box of its geoms that
-may touch (MuJoCo 3.17), so these say that they may."""
 
 
 def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None) -> mujoco.MjSpec:
@@ -63,9 +60,7 @@ def seated(robot: Robot, seat: Seat, toy: Toy | None, table: float | None = None
     for part, hand in zip(seat.parts, seat.hands, strict=False):
         _bindable(spec, part, hand)
     if toy is not None:
-        object_ = read(toy)
-        _show(object_)
-        spec.attach(object_, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=(0, 0, top)))
+        spec.attach(read(toy), prefix=PREFIX, frame=spec.worldbody.add_frame(pos=(0, 0, top)))
     return spec
 
 
@@ -82,14 +77,6 @@ def mark(spec: mujoco.MjSpec, seat: Seat) -> None:
         name="forehead_patch", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(PATCH_M, 0, 0), pos=forehead.pos, group=2,
         mass=0, rgba=(*MARKED[-1], 1), contype=0, conaffinity=0,
     )  # fmt: skip
-    _show(spec)
-
-
-def _show(spec: mujoco.MjSpec) -> None:
-    """See `SEEN_ONLY`."""
-    for geom in spec.geoms:
-        if geom.group < 3 and not geom.contype and not geom.conaffinity:
-            geom.contype = SEEN_ONLY
 
 
 PREFIX: Final = "toy_"

@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 import pytest
@@ -5,9 +7,13 @@ import pytest
 from models.biclops.room import Ball
 from models.errors import BodyError
 from models.heads import stage
+from models.objects import TOYS
+from models.objects.retinas import Room
+from models.objects.scene import seated
 from models.renderers import RENDERERS, open_eye
 from models.retina import RetinaOptions
-from models.retina_rays import RayEye, _shade
+from models.retina_rays import VISIBLE_GROUPS, RayEye, _shade
+from models.robots import ROBOTS
 
 BALL = Ball("ball", (0.6, 0.05, 0.2), (0.9, 0.1, 0.1), radius=0.03)
 
@@ -24,6 +30,73 @@ def _every_ray(eye: RayEye, data: mujoco.MjData) -> np.ndarray:
     """The image with one ray through each pixel and no shortcut: the oracle."""
     colour = _shade(eye._cast(data, eye._pixel_rays), eye._lights(data))
     return colour.reshape(eye.options.height, eye.options.width, 3)
+
+
+def _met(model: mujoco.MjModel, data: mujoco.MjData, start: np.ndarray, ways: np.ndarray, own: int = -1) -> np.ndarray:
+    """Geoms that single rays meet, and their depths, (n, 2): the oracle."""
+    geom = np.empty(1, np.int32)
+    depths = [(mujoco.mj_ray(model, data, start, way, VISIBLE_GROUPS, 1, own, geom), geom[0]) for way in ways]
+    return np.array(depths)[:, ::-1]
+
+
+STAGES = [name for name, robot in ROBOTS.items() if robot.head]
+SEATED = [name for name, robot in ROBOTS.items() if robot.seat]
+
+
+def _at_table(name: str, toy: str | None) -> mujoco.MjSpec:
+    robot = ROBOTS[name]
+    assert robot.seat is not None
+    spec = seated(robot, robot.seat, TOYS[toy] if toy else None)
+    Room().furnish(spec)
+    return spec
+
+
+@pytest.mark.parametrize(
+    "scene_of",
+    [pytest.param(lambda n=n: stage(n, teacher=True, balls=[BALL]), id=n) for n in STAGES]
+    + [pytest.param(lambda n=n, t=t: _at_table(n, t), id=f"{n} {t}") for n in SEATED for t in (None, *TOYS)],
+)
+def test_rays_together_meet_what_single_rays_meet(scene_of: Callable[[], mujoco.MjSpec]) -> None:
+    """In every scene that eyes look at, in any posture: rays at whatever is there, and just past it."""
+    model = scene_of().compile()
+    data, rng = mujoco.MjData(model), np.random.default_rng(4)
+    eyes = [RayEye(model, model.camera(c).name, RetinaOptions()) for c in range(model.ncam)]
+    turning = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE)
+    for _ in range(3):
+        data.qpos[model.jnt_qposadr[turning]] = rng.uniform(*model.jnt_range[turning].T)
+        mujoco.mj_forward(model, data)
+        for eye in eyes:
+            aims = data.geom_xpos[rng.integers(model.ngeom, size=150)] + rng.normal(0, 0.03, (150, 3))
+            camera = data.cam(eye._camera)
+            hits = eye._cast(data, (aims - camera.xpos) @ camera.xmat.reshape(3, 3))
+            geoms, depths = _met(model, data, camera.xpos, hits.direction, eye._own_body).T
+            np.testing.assert_array_equal(hits.geom, geoms)
+            np.testing.assert_allclose(hits.depth[geoms >= 0], depths[geoms >= 0])
+
+
+@pytest.mark.parametrize(
+    "geoms",
+    [
+        '<geom size=".3" group="2" contype="0" conaffinity="0"/><geom size=".02" pos="0 0 -.6" group="3"/>',
+        '<geom size=".3"/>',
+    ],
+    ids=["what is only seen", "a body turned"],
+)
+def test_bodies_that_rays_together_miss_are_seen(geoms: str) -> None:
+    """Were the model cast at as it is, nothing would be there (MuJoCo 3.17)."""
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><camera name="eye" xyaxes="0 -1 0 0 0 1"/>
+        <body pos="2 1 0" euler="0 0 180"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <frame pos="0 1 0">{geoms}</frame></body></worldbody></mujoco>"""
+    )
+    data, before = mujoco.MjData(model), model.bvh_aabb.copy()
+    mujoco.mj_forward(model, data)
+    ahead, geom, depth = np.array([1.0, 0, 0]), np.empty(1, np.int32), np.empty(1)
+    mujoco.mj_multiRay(model, data, np.zeros(3), ahead, VISIBLE_GROUPS, 1, -1, geom, depth, None, 1, 10.0)
+    hits = RayEye(model, "eye", RetinaOptions())._cast(data, np.array([[0, 0, -1.0]]))
+    assert geom[0] == -1
+    assert (hits.geom[0], hits.depth[0]) == (0, pytest.approx(1.7))
+    np.testing.assert_array_equal(model.bvh_aabb, before)  # it is the model that bodies touch by
 
 
 @pytest.mark.parametrize("size", [(160, 120), (101, 67)])
@@ -46,14 +119,18 @@ def test_a_camera_inside_a_box_and_a_mesh_still_see_everything() -> None:
     model = mujoco.MjModel.from_xml_string(
         """<mujoco><asset><mesh name="m" vertex="0 0 0  .3 0 0  0 .3 0  0 0 .3"/></asset><worldbody>
         <camera name="eye" pos="0 0 0" euler="10 0 20"/>
-        <geom type="box" size="2 2 1" rgba=".5 .6 .7 1"/><geom type="mesh" mesh="m" pos="-.2 .1 -.6" rgba="1 0 0 1"/>
-        <geom type="capsule" size=".01 .4" pos=".1 0 -.5" euler="70 20 0" rgba="0 1 0 1"/></worldbody></mujoco>"""
+        <geom type="box" size="2 2 1" rgba=".5 .6 .7 1"/>
+        <body><geom type="mesh" mesh="m" pos="-.2 .1 -.6" rgba="1 0 0 1" contype="0" conaffinity="0"/></body>
+        <body><geom type="capsule" size=".01 .4" pos=".1 0 -.5" euler="70 20 0" rgba="0 1 0 1" contype="0"
+        conaffinity="0"/></body></worldbody></mujoco>"""
     )
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     eye = RayEye(model, "eye", RetinaOptions(antialias=False))
     exact = _every_ray(eye, data)
     np.testing.assert_allclose(eye._colour(data), exact, atol=1.0)
+    hits = eye._cast(data, eye._pixel_rays[::7])
+    np.testing.assert_array_equal(hits.geom, _met(model, data, data.cam_xpos[0], hits.direction)[:, 0])
     assert {tuple(c) for c in (exact > 60).reshape(-1, 3)} >= {(True, False, False), (False, True, False)}
 
 

@@ -108,8 +108,9 @@ def test_marks_are_the_only_colours_and_change_no_physics() -> None:
     model = seated(ROBOT, SEAT, TOYS["dumbbell"]).compile()
     colours = model.geom_rgba[:, :3][(model.geom_group < 3) & (np.ptp(model.geom_rgba[:, :3], axis=1) > 0.1)]
     assert len(np.unique(colours.round(2), axis=0)) == len(MARKS)
-    seen = (model.geom_contype == 8) & (model.geom_conaffinity == 0)
-    assert seen.any() and not (model.geom_conaffinity & 8).any()
+    felt = {*SEAT.touching, "table", f"{PREFIX}a", f"{PREFIX}b"}
+    touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+    assert {model.geom(g).name for g in np.flatnonzero(touching)} == felt
     assert model.body_mass.sum() == pytest.approx(mujoco_mass() + sum(model.body_mass[i] for i in toys(model)))
 
 
