@@ -9,7 +9,7 @@ eight factors of one forward model: with the mouth shut the tongue is stopped by
 can find of "tongue-to-lips" and "tongue-beyond-lips". Nothing is ever seen.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, NamedTuple
 
@@ -22,22 +22,26 @@ from babbling.forward_model import ForwardModel
 from babbling.kinds import Numbers, kind
 from babbling.relations import LIPS, RELATIONS, TOUCHED_N, Landmarks
 
-GRID_GAP, GRID_ACTION, GRID_OUTCOME = 6, 13, 25
+GRID_GAP, GRID_ACTION, GRID_OUTCOME = 10, 13, 25
 PRIOR_STRENGTH: Final = 1.0
 MARGIN: Final = 0.03
 """By which axes reach beyond what was felt, as a share of it."""
 FEWEST_ACTS: Final = 60
+STILL_ACTS: Final = 5
+"""Acts of doing nothing, before all others: what rest feels like."""
 FLAT: Final = 0.05
 """Share of what a joint can do within which it is at its end."""
 
 
 class Acts(NamedTuple):
-    """N acts of one infant."""
+    """N acts of one infant; a third of each kind, in order."""
 
     commands: FloatArray
     """(N, M) motor lines, held until all was still."""
     senses: FloatArray
     """(N, S) at their ends."""
+    nothing: FloatArray
+    """(n, S) after acts of doing nothing, before all others."""
     rest: FloatArray
     """(M,) motor lines that leave it at rest."""
     reach: FloatArray
@@ -65,7 +69,13 @@ class FaceMind(OfOneBody):
             raise BabblingError(f"motors {self.motors.tolist()} of relations; {len(RELATIONS)} of {len(self.rest)}")
 
 
-def babble(body: Body, acts: int, rest: FloatArray, rngs: Sequence[np.random.Generator]) -> list[Acts]:
+def babble(
+    body: Body,
+    acts: int,
+    rest: FloatArray,
+    rngs: Sequence[np.random.Generator],
+    heed: Callable[[int], None] = lambda act: None,
+) -> list[Acts]:
     """So many acts of every copy, each with randomness of its own.
 
     Args:
@@ -73,6 +83,7 @@ def babble(body: Body, acts: int, rest: FloatArray, rngs: Sequence[np.random.Gen
         acts: a third of each kind.
         rest: (M,) motor lines that leave it at rest.
         rngs: one for each copy.
+        heed: told of every act once it is done: for those who judge, and for progress.
 
     Raises:
         BabblingError: fewer acts than show anything.
@@ -83,9 +94,12 @@ def babble(body: Body, acts: int, rest: FloatArray, rngs: Sequence[np.random.Gen
     order = np.stack([rng.permutation(np.resize(np.arange(motors), third)) for rng in rngs], 1)
     level = np.stack([rng.random((acts, motors)) for rng in rngs], 1)
     commands, senses = np.empty((acts, copies, motors)), np.empty((acts, copies, len(body.sense_low)))
+    nothing = np.empty((STILL_ACTS, copies, len(body.sense_low)))
     low, high = (np.tile(end, (copies, 1)) for end in (body.motor_low, body.motor_high))
-    body.reset()
     everyone = np.arange(copies)
+    body.reset()
+    for act in range(STILL_ACTS):
+        nothing[act] = body.act(np.tile(rest, (copies, 1)))
     for act in range(acts):
         if act == third:
             opener = _opener(order, senses[:third])
@@ -101,12 +115,13 @@ def babble(body: Body, acts: int, rest: FloatArray, rngs: Sequence[np.random.Gen
         if act >= 2 * third:
             command = chosen
         commands[act], senses[act] = command, body.act(command)
-    return [Acts(commands[:, c], senses[:, c], rest, np.stack([low[c], high[c]])) for c in everyone]
+        heed(act)
+    return [Acts(commands[:, c], senses[:, c], nothing[:, c], rest, np.stack([low[c], high[c]])) for c in everyone]
 
 
 def learn(acts: Acts, fingerprint: str) -> FaceMind:
     """Own motors, landmarks and the forward model out of one infant's acts."""
-    landmarks = Landmarks.felt(acts.senses)
+    landmarks = Landmarks.felt(np.concatenate([acts.nothing, acts.senses]))
     relations = landmarks.relations(acts.senses)
     motors = _own_motors(acts.commands, relations)
     low, high = relations.min(0), relations.max(0)
@@ -114,13 +129,13 @@ def learn(acts: Acts, fingerprint: str) -> FaceMind:
     factors, one = len(RELATIONS), np.ones(len(RELATIONS))
     gap = Axis("gap", "W", (low[0] - spare[0]) * one, (high[0] + spare[0]) * one, GRID_GAP)
     action = Axis("command", "1", acts.reach[0, motors], acts.reach[1, motors], GRID_ACTION)
-    outcome = Axis("relation", "W", low - spare, high + spare, GRID_OUTCOME)
+    outcome = Axis("amount", "W", low - spare, high + spare, GRID_OUTCOME)
     model = ForwardModel(
         [gap], action, outcome, factors=RELATIONS, prior_strength=PRIOR_STRENGTH, fingerprint=fingerprint
     )
     commands = np.clip(acts.commands[:, motors], action.low, action.high)  # more makes no difference
     model.observe([gaps(relations[:, 0], factors)], commands, relations)
-    still = np.median(relations[np.abs(acts.commands - acts.rest).sum(1).argsort()[: max(len(relations) // 20, 3)]], 0)
+    still = np.median(landmarks.relations(acts.nothing), 0)
     return FaceMind(fingerprint, model, motors, acts.rest, still, landmarks)
 
 
@@ -133,13 +148,15 @@ def gaps(gap: FloatArray, factors: int) -> FloatArray:
 
 def _opener(order: IntArray, senses: FloatArray) -> IntArray:
     """(B,) the motor whose acts most often ended without a touch of the lips."""
-    apart = ~(senses[..., LIPS] > TOUCHED_N).any(-1)
-    motors = int(order.max()) + 1
-    share = [[apart[order[:, copy] == motor, copy].mean() for motor in range(motors)] for copy in range(order.shape[1])]
-    return np.argmax(share, axis=1)
+    apart = np.logical_not((senses[..., LIPS] > TOUCHED_N).any(-1))
+    motors = range(int(order.max()) + 1)
+    share = [[apart[mine == motor, copy].mean() for motor in motors] for copy, mine in enumerate(order.T)]
+    return np.asarray(np.argmax(share, axis=1))
 
 
-def _reach(order: IntArray, commands: FloatArray, senses: FloatArray, ends: tuple[FloatArray, FloatArray]) -> FloatArray:
+def _reach(
+    order: IntArray, commands: FloatArray, senses: FloatArray, ends: tuple[FloatArray, FloatArray]
+) -> FloatArray:
     """(2, M) commands between which a motor's own joint moves: those beyond leave it where its extremes are."""
     found = np.stack(ends)
     for motor in range(found.shape[1]):

@@ -5,7 +5,7 @@ Meltzoff & Moore 1997). What is felt of it has no unit but one's own: lengths in
 turns, so that it can be held against what is seen of somebody else. Innate are which sense belongs to which relation
 (in the dark nothing could tell) and the sizes below; where lips part and where the tongue meets them is found by touch:
 
-    gap = 2 J sin((jaw - jaw_0) / 2)        beyond = (slide - slide_0) / W - L - T (1 - cos yaw cos pitch) - purse
+    gap = 2 J sin((jaw - jaw_0) / 2)        beyond = (slide - slide_0) / W - L
     side = T sin yaw             up = T sin pitch            purse = F lips / W        brow = brows / W
 """
 
@@ -19,7 +19,9 @@ from babbling.errors import BabblingError
 from babbling.kinds import Numbers
 
 RELATIONS: Final = ("gap", "beyond", "side", "up", "purse", "brow", "turn", "nod")
-"""In the order of the joints' senses."""
+"""In the order of the joints' senses: how far the lower lip has gone from where lips part; how far the tongue, were it
+straight, comes out beyond the lower lip; how far its tip is to the left, and up; lips forward; brows up; head turned to
+the left, and nodding."""
 MOUTH_M: Final = 0.026
 """W, of one's own mouth."""
 JAW, LIP, TONGUE, FORWARD = 1.74, 0.19, 0.56, 0.8
@@ -28,6 +30,8 @@ F, how far lips go forward for all that they go."""
 LIPS, TIP = slice(16, 20), 20
 """Senses of touch, after those of eight joints and their speeds: upper and lower lip, left and right; tongue."""
 TOUCHED_N: Final = 0.01
+SHUT: Final = 0.05
+"""rad beyond which, from where lips part, the tongue may already pass."""
 FEWEST: Final = 3
 """Acts that must have shown a place."""
 
@@ -54,7 +58,7 @@ class Landmarks:
         if shut.sum() < FEWEST:
             raise BabblingError("the lips were hardly ever felt to touch: babble longer")
         parted = float(np.median(senses[shut, 0]))
-        inside = tongue & (senses[:, 0] < parted + 0.01) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
+        inside = tongue & (senses[:, 0] < parted + SHUT) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
         if inside.sum() < FEWEST:
             raise BabblingError("the tongue was hardly ever felt to meet the lips from inside: babble longer")
         return cls(parted, float(np.median((senses[:, 1] - FORWARD * senses[:, 4])[inside])))  # it pushes them
@@ -63,11 +67,10 @@ class Landmarks:
         """(..., 8) `RELATIONS` of (..., S) senses."""
         jaw, slide, yaw, pitch, lips, brows, turn, nod = np.moveaxis(senses[..., :8], -1, 0)
         purse = FORWARD * lips / MOUTH_M
-        bent = TONGUE * (1 - np.cos(yaw) * np.cos(pitch))
         return np.stack(
             [
                 2 * JAW * np.sin((jaw - self.parted) / 2),
-                (slide - self.met) / MOUTH_M - LIP - bent - purse,
+                (slide - self.met) / MOUTH_M - LIP,
                 TONGUE * np.sin(yaw),
                 TONGUE * np.sin(pitch),
                 purse,

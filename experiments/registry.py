@@ -40,6 +40,7 @@ EXPERIMENTS: dict[str, Entry] = {
     "play": Entry("play", "children play with things at a table and leave what they learned in a file"),
     "objects": Entry("objects", "an act on an object is seen once, remembered, and done by one's own means"),
     "intentions": Entry("intentions", "what somebody meant to do is inferred from failed attempts, and done"),
+    "face": Entry("face", "a face is imitated that never saw itself; rival theories of newborns' imitation, scored"),
     "notice": Entry("notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }

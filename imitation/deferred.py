@@ -129,6 +129,29 @@ class IntentMemory:
             )
 
 
+@kind("face memory", "`imitate face` leaves such files", ImitationError)
+@dataclass(frozen=True, eq=False)
+class FaceMemory:
+    """What somebody's face did, in terms of one's own: for imitation after a pacifier, or a day."""
+
+    body: str
+    """Fingerprint of the body in whose terms it is."""
+    relations: Annotated[FloatArray, Numbers("relation", low=-10, high=10)]
+    """(8,) to come to, see `babbling.relations`."""
+    moved: Annotated[IntArray, Numbers("relation", low=0, high=1)]
+    """(8,) 1 for those that the identified motors move."""
+
+    def check(self, fingerprint: str, relations: int) -> None:
+        """Refuse to act on somebody else's memory.
+
+        Raises:
+            ImitationError: it belongs to another body, or knows another number of relations.
+        """
+        _check(self.body, fingerprint, "the face that watched")
+        if len(self.relations) != relations:
+            raise ImitationError(f"this memory holds {len(self.relations)} relations; {relations} are needed")
+
+
 def _check(remembers: str, fingerprint: str, give: str) -> None:
     if remembers != fingerprint:
         raise ImitationError(

@@ -34,8 +34,8 @@ class SimulatedBody:
         copies: how many bodies.
         threads: worker threads (results do not depend on it).
         tick_s: control tick; an integer number of physics steps.
-        noise: standard deviation of the angle sense, rad (m of what slides), one or (M,). The speed sense gets sqrt(2) noise / tick_s, as if the
-            drive differenced two such readings.
+        noise: standard deviation of the angle sense, rad (m of what slides), one or (M,). The speed sense gets
+            sqrt(2) noise / tick_s, as if the drive differenced two such readings.
         wear: worn gears.
         motors: joints whose motors it has, in that order; none named is all. The rest holds still at home.
         sensors: names of the model's <sensor> elements that are felt too; see `models.senses.sensor_channels`.
@@ -296,7 +296,8 @@ def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: floa
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
         model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid,
         np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]),
-        np.array([wear.of_range, wear.steepness]) if wear.of_range or wear.steepness else b"", "\n".join(parts).encode(),
+        np.array([wear.of_range, wear.steepness]) if wear.of_range or wear.steepness else b"",
+        "\n".join(parts).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

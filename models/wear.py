@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import expit
 
 from models.arrays import FloatArray
 from models.errors import BodyError
@@ -69,8 +68,8 @@ class Wear:
         np.clip(played, command - half, command + half, out=played)
         followed = (np.array(self.shares)[:, None, None] * played).sum(0)
         if self.steepness:
-            end = expit(self.steepness / 2)
-            followed = low + span * (expit(self.steepness * ((followed - low) / span - 0.5)) - 1 + end) / (2 * end - 1)
+            bent, end = (np.tanh(self.steepness / 2 * (x - 0.5)) for x in ((followed - low) / span, 1.0))  # 2 f - 1
+            followed = low + span * (bent + end) / (2 * end)
         return np.asarray(followed)
 
 

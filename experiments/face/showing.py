@@ -1,4 +1,4 @@
-"""What a face shows: six gestures, strong and weak, performed by its own motors, and what an infant's eyes make of it."""
+"""What a face shows: six gestures, strong and weak, performed by its own motors; what two eyes make of it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,8 +27,8 @@ SHOWN: Final = {
     "brows": ({"brows": (2.8, 4.0)}, {"brows": (0.8, 1.5)}),
     "head turn": ({"neck_yaw": (12.0, 19.0)}, {"neck_yaw": (5.0, 9.0)}),
 }
-"""Strongly and weakly: least and most of each joint, degrees, or mm in a newborn's face; what can go to either side goes
-to one of them. A weak tongue comes 1 to 3 mm beyond the lips: what stays behind them cannot be seen."""
+"""Strongly and weakly: least and most of each joint, degrees, or mm in a newborn's face; what can go to either side
+goes to one of them. A weak tongue comes 1 to 3 mm beyond the lips: what stays behind them cannot be seen."""
 SIDED: Final = ("tongue_yaw", "neck_yaw")
 SLIDES: Final = ("tongue", "upper_lip_left", "brows")
 HOLD_S: Final = 0.3
@@ -97,4 +97,4 @@ def truth(face: Face) -> Truth:
 
 def still(face: Face) -> FloatArray:
     """(nq,) configuration of a face that does nothing, its lips touching."""
-    return performed(face, [Shown(0, False, np.zeros(len(JOINTS)))])[-1, 0]
+    return np.asarray(performed(face, [Shown(0, False, np.zeros(len(JOINTS)))])[-1, 0])

@@ -5,7 +5,7 @@ model round for the motors of the identified organ; all else stays at rest. What
 (`imitation.acting.attempts`); nobody says whether it was right.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,7 @@ def chosen(mind: FaceMind, aims: FloatArray, moved: BoolArray, inverse: InverseM
     outcome = mind.forward_model.outcome
     aims = np.where(moved, np.clip(aims, outcome.low, outcome.high), mind.still)
     term = Term(mind.forward_model, (gaps(aims[:, 0], aims.shape[1]),), aims)
-    action = inverse.choose([term], np.random.default_rng(0)).action  # a mean needs no chance
+    action = inverse.choose([term], np.random.default_rng(0)).action  # ties hardly occur
     lines = np.tile(mind.rest, (len(aims), 1))
     for relation, motor in enumerate(mind.motors):
         lines[:, motor] = np.where(moved[:, relation], action[:, relation], lines[:, motor])
@@ -48,8 +48,9 @@ def tries(
     moved: BoolArray,
     count: int,
     inverses: Sequence[InverseModel] = (),
+    heed: Callable[[], None] = lambda: None,
 ) -> Tried:
-    """So many tries at each target, each after rest.
+    """So many tries at each target from where the body is, each followed by rest.
 
     Args:
         body: an act is one tick of it; as many copies as targets.
@@ -57,7 +58,8 @@ def tries(
         targets: (B, 8) relations.
         moved: (B, 8) those that the identified motors move.
         count: K.
-        inverses: of each mind; none is Eq. (1) with an even prior and the mean of its posterior.
+        inverses: of each mind; none is Eq. (1) with an even prior and its most probable action.
+        heed: called when a try is done, for those who judge.
 
     Raises:
         ImitationError: no tries, or targets that do not go evenly round.
@@ -69,18 +71,18 @@ def tries(
         )
     for mind in minds:
         mind.check(body)
-    inverses = inverses or [BayesianInverse(mind.forward_model, trust=0.0) for mind in minds]
+    inverses = inverses or [BayesianInverse(mind.forward_model, "map", trust=0.0) for mind in minds]
     share = body.copies // len(minds)
     mine = [slice(n * share, (n + 1) * share) for n in range(len(minds))]
     practice = Practice.empty(1, *targets.shape)
     rest = np.repeat(np.stack([mind.rest for mind in minds]), share, axis=0)
     done = []
-    body.reset()
     for _ in range(count):
         aims = targets + practice.aim[0]
         lines = [chosen(m, aims[s], moved[s], i) for m, s, i in zip(minds, mine, inverses, strict=True)]
         commands = np.concatenate(lines)
         senses = body.act(commands)
+        heed()
         felt = np.concatenate([m.landmarks.relations(senses[s]) for m, s in zip(minds, mine, strict=True)])
         done.append((commands, senses, felt))
         practice = practice.after(np.where(moved, targets - felt, 0.0)[None])

@@ -2,7 +2,8 @@
 
 What one has babbled is what another may be doing. Acts that move one motor of one's own, two, or the mouth's and up to
 two more, are imagined through the forward model, on a grid of commands, as the relations they would end in. What was
-seen is a Gaussian likelihood over relations (information L about x), so that with kernels of half a grid step T^2
+seen is a Gaussian likelihood over relations (information L about x), so that with kernels T of half a grid step, and of
+how nearly faces are alike,
 
     P(moved motors S | seen) = c P(S) mean_a |I + T^2 L|^(-1/2) exp(-(x - r_a)' (L^-1 + T^2)^-1 (x - r_a) / 2)
 
@@ -22,11 +23,12 @@ from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.dark import FaceMind, gaps
 from imitation.inference.bayes import Posterior, action_posterior
 
-FINE, MIDDLE, COARSE = 25, 11, 7
-"""Commands imagined of each motor where one, two or three move."""
-NOTHING: Final = 0.1
-"""P(nothing was done), beforehand."""
-FEWER: Final = 0.2
+LEVELS: Final = 7
+"""Commands imagined of each motor."""
+NOTHING: Final = 0.5
+"""P(nothing was done), beforehand: most of the time a face is at rest, and what a tongue does behind shut lips cannot
+be seen."""
+FEWER: Final = 0.1
 """P(one motor more), against one less."""
 SHOWS: Final = 0.04, -0.1
 """Gap from which, and place beyond the lips from which, the tongue is seen."""
@@ -34,6 +36,12 @@ LAPSE: Final = 0.02
 """P(it is seen, or not, against that)."""
 CLOUD: Final = 1e-4
 """Share of the likelihood that anything might look like: no hypothesis is ruled out for good."""
+
+
+ALIKE: Final = 0.012
+"""How nearly another's relations are seen as they are: what an innate template of the average face misses."""
+OTHERS: Final = 0.02
+"""How far relations that were not moved may look moved, once it is known which were."""
 
 
 class Imagined(NamedTuple):
@@ -87,7 +95,7 @@ class OwnActs:
         return action_posterior(np.exp(log - log.max()) + CLOUD, self.prior)
 
     def _evidence(self, acts: Imagined, seen: FloatArray, information: FloatArray, tongue: bool) -> float:
-        blur = np.diag((acts.step / 2) ** 2)
+        blur = np.diag((acts.step / 2) ** 2 + ALIKE**2)
         wide = np.eye(len(seen)) + blur @ information
         precision = information @ np.linalg.inv(wide)
         off = acts.relations - seen
@@ -104,10 +112,9 @@ class OwnActs:
                 yield (self.opener, *some)
 
     def _imagined(self, motors: tuple[int, ...]) -> Imagined:
-        size = (FINE, MIDDLE, COARSE)[len(motors) - 1]
         model, factors = self.mind.forward_model, len(self.mind.motors)
         owned = [np.flatnonzero(self.mind.motors == motor) for motor in motors]
-        levels = [np.linspace(*(end[own[0]] for end in (model.action.low, model.action.high)), size) for own in owned]
+        levels = [np.linspace(model.action.low[own[0]], model.action.high[own[0]], LEVELS) for own in owned]
         grid = np.stack(np.meshgrid(*levels, indexing="ij"), -1).reshape(-1, len(motors))
         commands = np.tile(self.mind.rest[self.mind.motors], (len(grid), 1))
         for own, level in zip(owned, grid.T, strict=True):
@@ -118,7 +125,7 @@ class OwnActs:
         moved = np.concatenate(owned)
         relations[:, moved] = model.expected([gaps(open_, factors)], commands)[:, moved]
         step = np.zeros(factors)
-        step[moved] = np.ptp(relations[:, moved], 0) / (size - 1)
+        step[moved] = np.ptp(relations[:, moved], 0) / (LEVELS - 1)
         return Imagined(motors, relations, step)
 
 
@@ -128,14 +135,11 @@ def owned(mind: FaceMind, motors: tuple[int, ...]) -> BoolArray:
 
 
 def given_still(seen: FloatArray, information: FloatArray, moved: BoolArray, still: FloatArray) -> FloatArray:
-    """(8,) relations that were seen, knowing that all but `moved` were as at rest: mean of the conditional Gaussian."""
-    found = still.copy()
-    free, fixed = np.flatnonzero(moved), np.flatnonzero(~moved)
-    if len(free):
-        inner = information[np.ix_(free, free)] + 1e-6 * np.eye(len(free))
-        away = information[np.ix_(free, fixed)] @ (seen - still)[fixed]
-        found[free] = seen[free] + np.linalg.solve(inner, away)
-    return found
+    """(8,) relations that were seen, knowing that all but `moved` were as at rest, up to how far faces differ: where
+    the Gaussian likelihood times that prior is largest."""
+    prior = np.diag(np.where(moved, 1e-6, 1 / OTHERS**2))
+    found = np.linalg.solve(information + prior, information @ seen + prior @ still)
+    return np.asarray(np.where(moved, found, still))
 
 
 def likeliest(acts: OwnActs, posterior: Posterior) -> tuple[int, ...]:

@@ -84,7 +84,8 @@ def acquaint(looks: FloatArray, focal_px: float) -> Acquainted:
     Raises:
         ImitationError: there is no face to be seen.
     """
-    seen = np.nanmean(looks, 0) if len(looks) > 1 else looks[0]
+    there = np.isfinite(looks)
+    seen = np.where(there, looks, 0).sum(0) / np.where(there.any(0), there.sum(0), np.nan)
     there = np.isfinite(seen[:, : 2 * len(POINTS) - 2])
     if there.sum() < 20:
         raise ImitationError("no face is seen: eyes, nose and mouth are needed, in both eyes")
@@ -97,7 +98,7 @@ def acquaint(looks: FloatArray, focal_px: float) -> Acquainted:
         pose, shape = x[:POSE], x[POSE:] * average
         shown = appear(shape, pose, USUAL[None], focal_px, tongue=False)[0]
         off = (shown - seen)[:, : 2 * len(POINTS) - 2][there] / SIGMA_PX
-        return np.r_[off, (x[POSE:] - 1) / np.r_[10, np.full(len(average) - 1, SPREAD)]]
+        return np.asarray(np.r_[off, (x[POSE:] - 1) / np.r_[10, np.full(len(average) - 1, SPREAD)]])
 
     x = least_squares(missed, start, x_scale=np.r_[np.full(6, 0.05), np.full(len(average), 0.1)]).x
     return Acquainted(x[POSE:] * average, x[:POSE], focal_px)
@@ -158,7 +159,7 @@ class _Fit:
             return looks
 
         def missed(x: FloatArray) -> FloatArray:
-            return np.r_[self.off(whole(x[None]))[0], (x - USUAL[self.may]) / DOUBT[self.may]]
+            return np.asarray(np.r_[self.off(whole(x[None]))[0], (x - USUAL[self.may]) / DOUBT[self.may]])
 
         def slope(x: FloatArray) -> FloatArray:
             sides = self.off(whole(np.vstack([x, x + STEP * np.eye(len(x))])))

@@ -1,7 +1,7 @@
 """A face on an image: where its irises, nose, brows, lips and tongue are, by their colours and their order.
 
-Lips that touch make one patch, so they are parted by rows and columns instead: into quarters about their middle. What
-the tongue covers of the lips would pull their middle along, so columns in which the tongue is are left out.
+Lips that touch make one patch, so they are parted by rows and columns instead: into quarters about their middle. The
+tongue covers the middle of the lower lip, so that is looked at towards its corners.
 """
 
 from typing import Final
@@ -27,6 +27,10 @@ LEAST: Final = 0.12
 LEAST_PX: Final = 3
 """Pixels of the smallest patch."""
 ROUNDS: Final = 4
+COVERED: Final = 0.3
+"""Share of its columns from which a part of the lower lip is hidden by the tongue."""
+OUTER: Final = 0.55
+"""Of the distance between the upper quarters' middles: from there on the lower lip is looked at."""
 IRIS, NOSE, BROW, LIP, TONGUE = range(5)
 _OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])
 _HUES = np.array([COLOURS[name] for name in ("blue", "orange", "violet", "magenta", "red")]) @ _OPPONENT
@@ -80,7 +84,7 @@ def _middle(cover: FloatArray) -> FloatArray:
     if total < LEAST_PX:
         return np.full(2, np.nan)
     rows, columns = np.arange(cover.shape[0]), np.arange(cover.shape[1])
-    return np.array([cover.sum(0) @ columns, cover.sum(1) @ rows]) / total
+    return np.asarray(np.array([cover.sum(0) @ columns, cover.sum(1) @ rows]) / total)
 
 
 def _halves(cover: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -92,8 +96,8 @@ def _halves(cover: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _quarters(lips: FloatArray, tongue: FloatArray) -> FloatArray:
-    """(4, 2) upper left, upper right, lower left, lower right, of the face's own left and right; of a lower lip that is
-    partly covered only the row is told."""
+    """(4, 2) upper left, upper right, lower left, lower right, of the face's own left and right; of the lower lip only
+    the row of its outer parts is told."""
     columns, rows = np.arange(lips.shape[1]), np.arange(lips.shape[0])[:, None]
     middle, row = _middle(lips)
     if np.isnan(middle):
@@ -101,12 +105,14 @@ def _quarters(lips: FloatArray, tongue: FloatArray) -> FloatArray:
     for _ in range(ROUNDS):
         upper, lower = (_middle(lips * np.clip(side * (row - rows) + 0.5, 0, 1)) for side in (1, -1))
         row = (upper[1] + lower[1]) / 2 if np.isfinite(upper[1] + lower[1]) else row
-    free = tongue.sum(0) < 0.5
-    found = []
-    for down in (1, -1):
-        half = lips * np.clip(down * (row - rows) + 0.5, 0, 1)
-        middle = _middle(half)[0] if free.all() or down > 0 else middle
-        for side in (1, -1):
-            place = _middle(half * np.clip(side * (columns - middle) + 0.5, 0, 1) * (free if down < 0 else 1))
-            found.append((np.nan, place[1]) if down < 0 and not free.all() else place)
-    return np.array(found)
+    upper = lips * np.clip(row - rows + 0.5, 0, 1)
+    middle = _middle(upper)[0]
+    sides = [np.clip(side * (columns - middle) + 0.5, 0, 1) for side in (1, -1)]
+    above = [_middle(upper * side) for side in sides]
+    outer = np.abs(columns - middle) > OUTER * (above[0][0] - above[1][0])
+    below = []
+    for side in sides:
+        there = side * outer
+        covered = (tongue.sum(0) > 0.5)[there > 0.5].mean() > COVERED
+        below.append((np.nan, np.nan if covered else _middle(lips * np.clip(rows - row + 0.5, 0, 1) * there)[1]))
+    return np.array([*above, *below])

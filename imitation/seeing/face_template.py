@@ -25,7 +25,7 @@ a look: how far the head is turned to its left, nods and rolls upon its neck, ra
 SHAPE: Final = {
     "mouth": 0.045,
     "eyes apart": 1.40,
-    "brows apart": 1.55,
+    "brows apart": 1.40,
     "eyes up": 0.08,
     "nose ahead": 2.00,
     "nose up": -0.46,
@@ -37,19 +37,20 @@ SHAPE: Final = {
 """What differs between faces, and the average: m, then widths of the mouth, from the middle of the head."""
 SPREAD: Final = 0.12
 """Of faces about the average, as a share."""
-EYES_AHEAD, BROWS_AHEAD, LIPS_AHEAD = 1.89, 1.745, 1.885
+EYES_AHEAD, BROWS_AHEAD, LIPS_AHEAD = 1.885, 1.715, 1.845
 """Widths of the mouth, of all faces."""
 NECK: Final = np.array([-0.28, 0.0, -2.08])
 """Where the head turns and nods."""
-HINGE: Final = np.array([0.2, 0.0, -0.70])
+HINGE: Final = np.array([0.18, 0.0, -0.69])
 """Of the jaw."""
-TONGUE_AHEAD, TONGUE_UP = 1.23, 0.135
+TONGUE_AHEAD, TONGUE_UP = 1.25, 0.135
 """Middle of the tongue at rest, mouth shut: ahead, and above where the lips meet."""
 TONGUE_LONG, TONGUE_HIGH, TONGUE_FREE, REST = 0.66, 0.23, 0.56, -0.44
-"""Length and height of what is seen of it; from its own hinge to its tip; its tip from the lower lip's front at rest."""
-LIP_DEEP, INWARDS, QUARTER, CLOSING = 0.11, 0.75, 0.224, 0.365
-"""Half depth of a lip; how far corners come in for each length that lips go forward; middle of half a lip from the
-middle of the mouth, and how far that comes in."""
+"""Length and height of what is seen of it; from its own hinge to its tip; at rest, its tip from the lower lip's
+front."""
+LIP_DEEP, INWARDS, QUARTER, CLOSING, RECEDES = 0.11, 0.75, 0.22, 0.36, 0.035
+"""Half depth of a lip; how far corners come in for each length that lips go forward; middle of what is seen of half a
+lip from the middle of the mouth, how far that comes in, and how far behind the lips' middle it lies."""
 FACING: Final = np.diag([-1.0, -1.0, 1.0])
 """How a face stands that looks at one."""
 SAMPLES: Final = (32, 24)
@@ -91,20 +92,22 @@ def parts(shape: FloatArray, moved: FloatArray) -> Parts:
     fixed = [(EYES_AHEAD, s * apart / 2, eyes) for s in (1, -1)] + [(ahead, 0.0, nose)]
     points = [np.broadcast_to(place, (count, 3)) for place in fixed]
     points += [np.stack([BROWS_AHEAD * one, s * brows_apart / 2 * one, brows + brow], -1) for s in (1, -1)]
-    middles, axes = [], []
-    turned = Rotation.from_euler("z", [[-15], [15]], degrees=True).as_matrix()
+    middles, axes = list[FloatArray](), list[FloatArray]()
+    turned = Rotation.from_euler("z", [[15], [-15]], degrees=True).as_matrix()
     for down in (1, -1):
         for number, s in enumerate((1, -1)):
             frame = jaw if down < 0 else np.broadcast_to(np.eye(3), (count, 3, 3))
             ellipsoid = np.diag([LIP_DEEP, 0.33, thick / 2])
-            for y, into in ((QUARTER - CLOSING * purse, points), (0.17 - INWARDS * purse, middles)):
-                place = np.stack([lip[0] + purse, s * y, (lips + down * thick / 2) * one], -1)
+            for y, behind, into in (
+                (QUARTER - CLOSING * purse, RECEDES, points), (0.17 - INWARDS * purse, 0.0, middles)
+            ):  # fmt: skip
+                place = np.stack([lip[0] - behind + purse, s * y, (lips + down * thick / 2) * one], -1)
                 into.append(hinged(place) if down < 0 else place)
             axes.append(frame @ turned[number] @ ellipsoid)
     tilt = np.arcsin(np.clip(up / TONGUE_FREE, -0.9, 0.9))
     yaw = np.arcsin(np.clip(side / TONGUE_FREE, -0.9, 0.9))
     bend = Rotation.from_euler("zy", np.stack([yaw, -tilt], -1)).as_matrix()
-    slide = beyond - REST + TONGUE_FREE * (1 - np.cos(yaw) * np.cos(tilt)) + purse
+    slide = beyond - REST
     arm = 0.23 * bend[:, :, 0]
     tongue = np.stack([TONGUE_AHEAD - 0.23 + slide, 0 * one, (lips + TONGUE_UP) * one], -1) + arm
     long_axes = bend @ np.diag([TONGUE_LONG / 2, wide / 2, TONGUE_HIGH / 2])
@@ -117,9 +120,7 @@ def parts(shape: FloatArray, moved: FloatArray) -> Parts:
     )
 
 
-def appear(
-    shape: FloatArray, pose: FloatArray, looks: FloatArray, focal_px: float, tongue: bool = True
-) -> FloatArray:
+def appear(shape: FloatArray, pose: FloatArray, looks: FloatArray, focal_px: float, tongue: bool = True) -> FloatArray:
     """(V, 2, NUMBERS) what the left and the right eye show, pixels from the middle of the image.
 
     Args:

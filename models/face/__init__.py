@@ -50,7 +50,7 @@ class Face:
 
     about: str
     path: Path = FACE
-    proportions: Proportions = Proportions()  # noqa: RUF009  (frozen)
+    proportions: Proportions = Proportions()
     wear: Wear = Wear()  # noqa: RUF009  (frozen)
 
 
@@ -76,15 +76,21 @@ FACES: Mapping[str, Face] = MappingProxyType(
 """Every face."""
 
 
-def find(name_or_path: str) -> Face:
-    """The face of this name, or one out of a file.
+def find(name_or_path: str) -> Face | None:
+    """The registered face of this name; None for what looks like a path.
 
     Raises:
         BodyError: neither.
     """
-    path = Path(name_or_path)
-    if name_or_path in FACES:
-        return FACES[name_or_path]
-    if path.suffix.lower() in (".xml", ".mjcf"):
-        return Face(name_or_path, path)
-    raise BodyError(unknown("face", name_or_path, FACES) + ", or the path of an MJCF file")
+    if name_or_path not in FACES and Path(name_or_path).suffix.lower() not in (".xml", ".mjcf"):
+        raise BodyError(unknown("face", name_or_path, FACES) + ", or the path of an MJCF file")
+    return FACES.get(name_or_path)
+
+
+def face_of(name_or_path: str) -> Face:
+    """The face of this name, or the one in this file.
+
+    Raises:
+        BodyError: see `find`.
+    """
+    return find(name_or_path) or Face(name_or_path, Path(name_or_path))

@@ -11,9 +11,10 @@ from models.errors import BodyError
 from models.face import ACT_S, JOINTS, SITES, TOUCH, Face, Proportions
 from models.files import checked
 
-NOISE = np.array([np.deg2rad(0.2), 1e-4, np.deg2rad(0.2), np.deg2rad(0.2), 1e-4, 1e-4, np.deg2rad(0.2), np.deg2rad(0.2)])
+NOISE = np.array(
+    [np.deg2rad(0.2), 1e-4, np.deg2rad(0.2), np.deg2rad(0.2), 1e-4, 1e-4, np.deg2rad(0.2), np.deg2rad(0.2)]
+)
 """Standard deviation of what each joint feels: 0.2 degrees, 0.1 mm."""
-PACIFIER = mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE
 _BLUE, _AMBER = (0.2, 0.4, 0.9, 1.0), (0.85, 0.8, 0.5, 1.0)
 
 
@@ -91,16 +92,13 @@ def face_body(
 
 def _stop(spec: mujoco.MjSpec) -> None:
     """A teat between the lips and a shield before them, held to the head; a teat alone would not stop the tongue."""
-    head = spec.body("head")
+    head, capsule = spec.body("head"), mujoco.mjtGeom.mjGEOM_CAPSULE
     touch = {"contype": 7, "conaffinity": 7, "mass": 0.0, "friction": (0.02, 0.005, 0.0001), "solref": (0.006, 1.0)}
-    head.add_geom(
-        name="teat", type=PACIFIER[0], size=(0.004, 0, 0), fromto=(0.052, 0, -0.031, 0.042, 0, -0.033), rgba=_AMBER, **touch
-    )  # fmt: skip
-    head.add_geom(name="shield", type=PACIFIER[1], size=(0.0015, 0.02, 0.02), pos=(0.0595, 0, -0.036), rgba=_BLUE, **touch)
-    head.add_geom(
-        name="ring", type=PACIFIER[2], size=(0.008, 0, 0), pos=(0.066, 0, -0.036), rgba=_BLUE, mass=0.0, contype=8,
-        conaffinity=0,
-    )  # fmt: skip
+    box, ball, look = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE, {"contype": 8, "conaffinity": 0}
+    teat = (0.052, 0, -0.031, 0.042, 0, -0.033)
+    head.add_geom(name="teat", type=capsule, size=(0.004, 0, 0), fromto=teat, rgba=_AMBER, **touch)
+    head.add_geom(name="shield", type=box, size=(0.0015, 0.02, 0.02), pos=(0.0595, 0, -0.036), rgba=_BLUE, **touch)
+    head.add_geom(name="ring", type=ball, size=(0.008, 0, 0), pos=(0.066, 0, -0.036), rgba=_BLUE, mass=0.0, **look)
 
 
 def _shape(spec: mujoco.MjSpec, has: Proportions) -> None:

@@ -13,7 +13,8 @@ from models.arrays import FloatArray
 from models.body import resting
 
 RELATIONS: Final = ("gap", "beyond", "side", "up", "purse", "brow", "turn", "nod")
-"""Between the lips; tip of the tongue in front of the lower lip, to the left, upwards (all in the jaw's frame); lips
+"""How far the lower lip has gone from where lips part; how far the tongue, were it straight, comes
+out beyond where the lower lip rests; its tip to the left, upwards (all in the jaw's frame); lips
 forward; brows upwards; head to the left, downwards."""
 
 
@@ -22,12 +23,12 @@ class Truth:
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model, self.data = model, mujoco.MjData(model)
-        self.rest = resting(model)
-        self._lip = 2 * float(model.geom("upper_lip_left").size[2])
-        start = self._points(self.rest)
-        self.mouth = float(np.linalg.norm(start["corner_left"] - start["corner_right"]))
+        self._zero = zero = self._points(resting(model))
+        self.mouth = float(np.linalg.norm(zero["corner_left"] - zero["corner_right"]))
         """W, m."""
-        self._zero = start
+        self._lever = float(np.linalg.norm((zero["lower"] - zero["hinge"])[[0, 2]]))
+        apart = 2 * float(model.geom("upper_lip_left").size[2]) - float((zero["upper"] - zero["lower"])[2])
+        self._parted = apart / float((zero["lower"] - zero["hinge"])[0])
 
     def of(self, configurations: FloatArray) -> FloatArray:
         """(..., 8) `RELATIONS` of (..., nq) configurations."""
@@ -36,30 +37,30 @@ class Truth:
         return found.reshape(*configurations.shape[:-1], len(RELATIONS))
 
     def _points(self, configuration: FloatArray) -> dict[str, FloatArray]:
-        """Sites in the head's frame, those of the tongue in the jaw's."""
+        """Places in the head's frame, those of tongue and lower lip's front in the jaw's; how head and jaw stand."""
         data = self.data
         data.qpos[:] = configuration
         mujoco.mj_kinematics(self.model, data)
         head, jaw = data.body("head"), data.body("jaw")
-        turn, jaws = head.xmat.reshape(3, 3).copy(), jaw.xmat.reshape(3, 3)
-        points = {name: (data.site(name).xpos - head.xpos) @ turn for name in ("upper_front", "lower_front")}
-        points |= {name: (data.site(name).xpos - head.xpos) @ turn for name in ("corner_left", "corner_right")}
-        points |= {half: (data.geom(f"{half}_lip_left").xpos - head.xpos) @ turn for half in ("upper", "lower")}
-        tip, lip = ((data.site(name).xpos - jaw.xpos) @ jaws for name in ("tip", "lower_front"))
-        points["tongue"] = tip - (lip[0], 0, 0)
-        points["brow"] = (data.geom("brow_left").xpos - head.xpos) @ turn
-        points["turn"] = turn
-        return points
+        turn, jaws = head.xmat.reshape(3, 3).copy(), jaw.xmat.reshape(3, 3).copy()
+        places = {name: data.site(name).xpos for name in ("upper_front", "corner_left", "corner_right")}
+        places |= {half: data.geom(f"{half}_lip_left").xpos for half in ("upper", "lower")}
+        places |= {"brow": data.geom("brow_left").xpos, "hinge": data.joint("jaw").xanchor}
+        points = {name: (place - head.xpos) @ turn for name, place in places.items()}
+        inside = {"tip": data.site("tip"), "lip": data.site("lower_front"), "root": data.body("tongue_tip")}
+        points |= {name: (thing.xpos - jaw.xpos) @ jaws for name, thing in inside.items()}
+        return points | {"turn": turn, "jaw": turn.T @ jaws}
 
     def _relations(self, now: dict[str, FloatArray]) -> FloatArray:
         zero, width = self._zero, self.mouth
-        gap = np.linalg.norm(now["upper"] - now["lower"]) - self._lip
-        tongue = now["tongue"] - (0, 0, zero["tongue"][2])
+        opened = np.arctan2(-now["jaw"][2, 0], now["jaw"][0, 0]) - self._parted
         turned = zero["turn"].T @ now["turn"]
         return np.array(
             [
-                gap / width,
-                *(tongue / width),
+                2 * self._lever * np.sin(opened / 2) / width,
+                (now["root"] + zero["tip"] - zero["root"] - zero["lip"])[0] / width,
+                now["tip"][1] / width,
+                (now["tip"] - zero["tip"])[2] / width,
                 (now["upper_front"] - zero["upper_front"])[0] / width,
                 (now["brow"] - zero["brow"])[2] / width,
                 np.arctan2(turned[1, 0], turned[0, 0]) / (np.pi / 2),

@@ -1,0 +1,120 @@
+"""Recording of one infant that watches a face and does the same: `recording.rrd`."""
+
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from babbling.axes import FloatArray
+from babbling.relations import RELATIONS
+from experiments.face.judging import ORGANS
+from experiments.face.one import TICK_S, Done, Watched, act_ticks, named
+from experiments.shared import views
+from experiments.shared.eyes_recording import log_eyes
+from experiments.shared.palette import DEMONSTRATED, IMITATED, INKS, light
+from experiments.shared.recording import log_body, log_series, log_states, recording
+from imitation.seeing.face_fit import look_at
+from imitation.seeing.face_marks import POINTS
+from imitation.seeing.face_template import appear
+from models.face.body import NOISE, face_body
+from models.face.looks import FOCAL_PX, RETINA
+from models.shapes import parts
+
+EYES_M: Final = (-0.052, 0.0, -0.002)
+"""Where the middle of an infant's head is, seen from between its eyes."""
+SHOWN: Final = (0, 1, 2, 4, 5, 6)
+"""Relations that have a panel line; the rest is in metrics.json."""
+
+
+def record(path: Path, done: Done, summary: str) -> None:
+    """Write the recording."""
+    name = f"{done.config.gesture}, {done.config.strength}, seed {done.config.seed}"
+    with recording(path, "imitate-face", name, layout(done), summary) as stream:
+        stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+        after = 2 * act_ticks() * len(done.tried.commands)
+        seen = 0 if done.watched is None else _log_watched(stream, done.watched, after)
+        _log_tries(stream, done, seen)
+
+
+def layout(done: Done) -> rrb.Horizontal:
+    """Faces and eyes left; beliefs and relations right."""
+    chance = rrb.ScalarAxis(range=(0.0, 1.05))
+    eyes = [views.eyes()] if done.watched is not None else []
+    return views.beside(
+        views.world("the infant (left) and who is watched", (0.17, -0.6, 0.14), (0.17, 0.0, -0.01)),
+        *eyes,
+        rrb.TimeSeriesView(name="P(organ that moves | seen)", origin="/organ", axis_y=chance),
+        rrb.TimeSeriesView(name="relations: seen, then felt", origin="/relations"),
+        rrb.StateTimelineView(name="what is done", origin="/doing"),
+        row_shares=[1.3, *([0.9] if eyes else []), 0.8, 1.0, 0.5],
+        stage_share=2.0,
+    )
+
+
+def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> int:
+    """What was shown, and beliefs, which last for the ticks after it; how many ticks it took."""
+    count = len(watched.configurations)
+    model = watched.watcher.onlooker.model
+    whole = np.concatenate([watched.configurations, watched.configurations[:1]])  # then it is at rest again
+    log_body(stream, "world/adult", parts(model, whole), TICK_S)
+    centre = np.array([(RETINA.width - 1) / 2, (RETINA.height - 1) / 2])
+    known, shape = watched.watcher.known, (count, 2, len(POINTS), 2)
+    looks = np.stack([one.look for one in watched.seen])
+    expected = np.stack(
+        [
+            appear(known.shape, known.pose, look[None], FOCAL_PX, one.tongue)[0]
+            for look, one in zip(looks, watched.seen, strict=True)
+        ]
+    )
+    found = np.stack([look_at(images) for images in watched.images])
+    there, thought = ((each[..., :-1].reshape(shape) + centre).swapaxes(1, 2) for each in (found, expected))
+    log_eyes(stream, watched.images, TICK_S, there, thought, (1.2, 2.6))
+    colours = [IMITATED, *(light(ink) for ink in list(INKS.values())[: len(ORGANS) - 1]), (150, 150, 150)]
+    for name, colour, belief in zip((*ORGANS, "nothing"), colours, watched.organs.T, strict=True):
+        log_series(stream, f"organ/{name}", np.pad(belief, (0, after), mode="edge"), TICK_S, name, colour)
+    _log_relations(stream, "seen", watched.relations, 0)
+    quiet = count - act_ticks()
+    states = ["at rest"] * quiet + ["acts"] * act_ticks() + ["at rest"]
+    log_states(stream, "doing/adult", dict.fromkeys(states), states, TICK_S)
+    return count
+
+
+def _log_tries(stream: rr.RecordingStream, done: Done, begin: int) -> None:
+    """The tries once more, tick by tick."""
+    face, config = done.group.face, done.config
+    body = face_body(face, tick_s=TICK_S, scramble=config.scramble, noise=NOISE, threads=1, seed=config.seed)
+    body.reset()
+    configurations, senses, doing = [np.array(body.batch.qpos[0])] * begin, [], ["watches"] * begin
+    for number, command in enumerate(done.tried.commands[:, 0]):
+        for line, what in ((command, f"try {number + 1}"), (done.mind.rest, "rests")):
+            for _ in range(act_ticks()):
+                senses.append(body.act(line[None])[0])
+                configurations.append(np.array(body.batch.qpos[0]))
+                doing.append(what)
+    log_body(stream, "world/infant", parts(body.model, np.stack(configurations)), TICK_S, offset=EYES_M)
+    _log_relations(stream, "felt", done.mind.landmarks.relations(np.stack(senses)), begin)
+    log_states(stream, "doing/infant", dict.fromkeys(doing), doing, TICK_S)
+    target = np.repeat(done.memory.relations[None], len(senses), 0)
+    moved = [k for k in SHOWN if done.memory.moved[k]]
+    _log_relations(stream, "target", target, begin, moved)
+    signs = rr.Points3D(
+        [(-0.06, 0.0, 0.075), (config.distance + 0.06, 0.0, 0.14)][: 1 + (begin > 0)],
+        labels=["infant", named(done.watched.shown.gesture) if done.watched else ""][: 1 + (begin > 0)],
+        radii=[0.001], colors=[IMITATED, DEMONSTRATED][: 1 + (begin > 0)], show_labels=True,
+    )  # fmt: skip
+    stream.log("world/labels", signs, static=True)
+
+
+def _log_relations(
+    stream: rr.RecordingStream, kind: str, values: FloatArray, begin: int, some: list[int] | None = None
+) -> None:
+    """(T, 8) from tick `begin` on, one line each; what is seen and what is felt share colour and axis."""
+    colours = [IMITATED, *(light(ink) for ink in INKS.values())]
+    blank = np.full((begin, values.shape[1]), np.nan)
+    whole = np.concatenate([blank, values])
+    width = {"seen": 2.0, "felt": 2.0, "target": 1.0}[kind]
+    for k in SHOWN if some is None else some:
+        label = f"{RELATIONS[k]}, {kind}"
+        log_series(stream, f"relations/{kind}_{RELATIONS[k]}", whole[:, k], TICK_S, label, colours[k], width)

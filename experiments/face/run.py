@@ -1,0 +1,22 @@
+"""`imitate face`: an infant that never saw its own face watches another's and does the same.
+
+Once or as a study (`study`).
+"""
+
+from experiments.face.figures import study_figures
+from experiments.face.found import metrics, told
+from experiments.face.one import one
+from experiments.face.options import Config
+from experiments.face.study import studied
+from experiments.shared.experiment import Result
+from experiments.shared.tables import table
+
+
+def run(config: Config) -> Result:
+    """One infant and one adult; or the study."""
+    config.check()
+    if not config.study:
+        return one(config)
+    found = studied(config)
+    numbers = metrics(found)
+    return Result(numbers, "# Faces\n\n" + table(told(numbers)), study_figures(found, numbers))
