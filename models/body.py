@@ -7,7 +7,6 @@ and what sensors of the MJCF are asked for by name (touch, gyro, accelerometer .
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import replace
 
 import mujoco
 import mujoco.batch
@@ -100,9 +99,7 @@ class SimulatedBody:
             *(channel for channel, _ in self._sensors),
         )
         count, felt = len(self.joints), len(Senses(channels))
-        self.wiring = Wiring.straight(count, felt) if scramble is None else Wiring.scrambled(count, felt, scramble)
-        if not scramble_senses:
-            self.wiring = replace(self.wiring, sense=np.arange(felt))
+        self.wiring = Wiring.of(count, felt, scramble, senses_too=scramble_senses)
         self.senses = Senses(channels, self.wiring.sense)
         self.sense_low, self.sense_high = self.senses.low, self.senses.high
         self.sense_labels = self.senses.labels  # for people only
@@ -296,8 +293,7 @@ def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: floa
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
         model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid,
         np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]),
-        np.array([wear.of_range, wear.steepness]) if wear.of_range or wear.steepness else b"",
-        "\n".join(parts).encode(),
+        wear.bending, "\n".join(parts).encode(),
     ):  # fmt: skip
         digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
     return digest.hexdigest()[:16]

@@ -54,6 +54,11 @@ class Wear:
                 "needs a share above 0, all shares make 1, and nothing is below 0"
             )
 
+    @property
+    def bending(self) -> FloatArray:
+        """What else than plays tells worn bodies apart; nothing where there is nothing else."""
+        return np.array([self.of_range, self.steepness] if self.of_range or self.steepness else [], float)
+
     def follow(self, played: FloatArray, command: FloatArray, low: ArrayLike, high: ArrayLike) -> FloatArray:
         """(B, M) positions that the servos follow; the (P, B, M) plays are moved in place to where they now are.
 

@@ -7,7 +7,7 @@ m = 0 is the middle of the range and |m| = 1/2 its ends; what lies beyond is cut
 a wiring of half the gain still reach every posture.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,14 @@ class Wiring:
         sign = rng.choice([-1.0, 1.0], motors)
         room = np.minimum(size - 0.5, 0.25)
         return cls(rng.permutation(motors), sign * size, rng.uniform(-1, 1, motors) * room, rng.permutation(senses))
+
+    @classmethod
+    def of(cls, motors: int, senses: int, seed: int | None, *, senses_too: bool = True) -> "Wiring":
+        """Straight without a seed; otherwise scrambled, the motors alone or the senses too."""
+        if seed is None:
+            return cls.straight(motors, senses)
+        made = cls.scrambled(motors, senses, seed)
+        return made if senses_too else replace(made, sense=np.arange(senses))
 
     def fractions(self, motors: FloatArray) -> FloatArray:
         """(..., M) motor lines to (..., M) servo commands as fractions of the range: -1 and 1 are its ends (cut)."""

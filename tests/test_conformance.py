@@ -40,7 +40,7 @@ from experiments.registry import EXPERIMENTS, entry
 from experiments.shared.caregiver import FIND_FACE
 from experiments.shared.eyes import EyeOptions, nursery, open_eyes
 from experiments.shared.minds import Interrupted
-from imitation.deferred import ActMemory, HeadMemory, IntentMemory, StepMemory
+from imitation.deferred import ActMemory, FaceMemory, HeadMemory, IntentMemory, StepMemory
 from imitation.episodes import Episode
 from imitation.errors import ImitationError
 from imitation.inference.selection import SELECTION, selection_rule
@@ -56,6 +56,7 @@ from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.performing import perform
 from tests.babbling import soles
 from tests.babbling.creature import Creature, motors, schema
+from tests.babbling.faces import small_mind
 from tests.babbling.test_looking import REACH, GeometricHead
 from tests.babbling.test_play import played
 
@@ -307,9 +308,10 @@ FILES: dict[str, Callable[[Mind], object]] = {
     "act memory": lambda mind: ActMemory("b", "panel", np.array([0, 6]), np.array([0.2, 0.8])),
     "intention memory": lambda mind: IntentMemory("b", "cup", np.array([0.2, 0.8]), 0.9, np.array([0, 3])),
     "head memory": lambda mind: HeadMemory("b", 0.02, "nod", np.full((4, 2), 0.1), np.full((4, 2), 0.01)),
+    "face mind": lambda mind: small_mind(),
+    "face memory": lambda mind: FaceMemory("b", np.full(8, 0.2), np.array([1, 1, 0, 0, 0, 0, 0, 0])),
 }
-FOR_PEOPLE = ("_name", "_probability")
-"""Variables that nobody reads back end so."""
+FOR_PEOPLE = ("_name", "_probability")  # so end variables that nobody reads back
 
 
 def eyes() -> LookingMind:

@@ -49,6 +49,11 @@ def metrics(found: Studied) -> dict[str, Any]:
     rates["tries_improving_share_worn"] = rate(falling(found.worn.felt))
     probability = usual.organ.max(-1).ravel()
     error, bins = calibration_error(probability, usual.right.ravel())
+    for condition in ("usual", "tilted", "other"):
+        each = [np.array(one.condition) == condition for one in found.mirrored]
+        rates[f"organ_accuracy_mirror_{condition}"] = rate(
+            np.concatenate([one.right[keep] for one, keep in zip(found.mirrored, each, strict=True)])
+        )
     told: dict[str, Any] = {name: share for name, (share, _) in rates.items()}
     told |= {f"{name}_interval": interval for name, (_, interval) in rates.items()}
     return told | {
@@ -149,6 +154,10 @@ def told(m: dict[str, Any]) -> list[tuple[str, str]]:
     millimetres = "; ".join(f"{d} m: {v[-1]:.2f}" for d, v in m["tongue_error_mm"].items())
     return [
         ("organ right, strong", f"{share('organ_accuracy')}; largest change {m['organ_accuracy_largest_change']:.1%}"),
+        (
+            "organ right, learned before a mirror: usual / tilted / other proportions",
+            " / ".join(f"{m[f'organ_accuracy_mirror_{name}']:.1%}" for name in ("usual", "tilted", "other")),
+        ),
         ("organ right, weak", f"{share('organ_accuracy_weak')}; {m['organ_accuracy_weak_largest_change']:.1%}"),
         (
             "organ right, tilted by 20 degrees, strong / weak",

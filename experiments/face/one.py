@@ -1,13 +1,12 @@
 """One infant and one adult: babble, watch, try; or try what is remembered."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import IntArray
 from babbling.dark import FaceMind, babble, learn
 from babbling.files import load, save
 from babbling.relations import MOUTH_M, RELATIONS
@@ -15,65 +14,28 @@ from experiments.face.answering import acted, comparable, understood
 from experiments.face.infants import Group, joint_of_motor, rest_lines
 from experiments.face.judging import MAIN, ORGANS, RANGE, labels, organs
 from experiments.face.later import PASSIVE_ACTS
+from experiments.face.mirroring import before_mirror
+from experiments.face.once import NEUTRAL_TICKS, TICK_S, Done, Watched, named
 from experiments.face.options import Config
-from experiments.face.showing import HOLD_S, Shown, Watcher, drawn, performed, still, truth
+from experiments.face.recording import record
+from experiments.face.showing import Watcher, drawn, performed, still, truth
+from experiments.face.shows import demo_figure
 from experiments.face.theories import GESTURES
 from experiments.shared.experiment import Result
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
-from imitation.acting.matching import Tried
 from imitation.correspondence.own_acts import OwnActs
 from imitation.deferred import FaceMemory
 from imitation.seeing.face_fit import Seen
+from imitation.seeing.mirrored import Mirrored
 from models.body import SimulatedBody
 from models.face import face_of
 from models.face.looks import View
 from models.retina import Image
 
-TICK_S: Final = 0.02
-NEUTRAL_TICKS: Final = 5
-"""Looks at the face at rest, before it acts."""
-
-
-@dataclass(frozen=True, eq=False)
-class Watched:
-    """What was shown, frame by frame."""
-
-    shown: Shown
-    watcher: Watcher
-    configurations: FloatArray
-    """(T, nq) of the adult."""
-    images: list[tuple[Image, Image]]
-    seen: list[Seen]
-    relations: FloatArray
-    """(T, 8) as seen, held against one's own rest."""
-    organs: FloatArray
-    """(T, 6) P(organ), nothing last."""
-    true: FloatArray
-    """(8,) what it came to."""
-
-
-@dataclass(frozen=True, eq=False)
-class Done:
-    """Before anything is drawn."""
-
-    config: Config
-    group: Group
-    mind: FaceMind
-    watched: Watched | None
-    memory: FaceMemory
-    tried: Tried
-    true: FloatArray
-    """(K, 8) true relations of the tries."""
-    stopped: str | None
-    """What its try with the pacifier looked like."""
-
 
 def one(config: Config) -> Result:
     """See the module."""
-    from experiments.face.recording import record
-    from experiments.face.shows import demo_figure
-
     face = face_of(config.face)
     group = Group(face, 0, 1, config.acts, config.seed, config.scramble)
     body = group.body(1)
@@ -82,8 +44,11 @@ def one(config: Config) -> Result:
     acts, joints = OwnActs(mind), joint_of_motor(body)
     watched = None
     if config.memory is None:
-        watched = watch(config, acts, joints)
-        memory, _ = understood(acts, watched.seen[-1], watched.watcher.neutral)
+        mirror = None
+        if config.correspondence == "learned":
+            mirror = before_mirror(body, face, mind, config.seed)
+        watched = watch(config, acts, joints, mirror)
+        memory, _ = understood(acts, watched.seen[-1], watched.neutral)
     else:
         memory = load(config.memory, FaceMemory)
         memory.check(mind.fingerprint, len(RELATIONS))
@@ -115,8 +80,9 @@ def born(config: Config, body: SimulatedBody) -> FaceMind:
     return learn(acts, body.fingerprint)
 
 
-def watch(config: Config, acts: OwnActs, joints: IntArray) -> Watched:
-    """A gesture, seen frame by frame with both eyes; nothing is known of the face but how it looks at rest."""
+def watch(config: Config, acts: OwnActs, joints: IntArray, mirror: Mirrored | None) -> Watched:
+    """A gesture, seen frame by frame with both eyes; nothing is known of the face but how it looks at rest. Faces are
+    understood by birthright, or by what a mirror showed."""
     adult, rng = face_of(config.adult), np.random.default_rng([config.seed, 0x5EE])
     shown = drawn(adult, GESTURES.index(config.gesture), config.strength == "strong", rng)
     moving = performed(adult, [shown], TICK_S)[:, 0]
@@ -125,18 +91,17 @@ def watch(config: Config, acts: OwnActs, joints: IntArray) -> Watched:
     seen, images = list[Seen](), list[tuple[Image, Image]]()
     with progress("watching") as report:
         for frame in whole:
-            what, looked = watcher.watch(frame, rng)
+            what, numbers, looked = watcher.watch(frame, rng)
+            if mirror is not None:
+                what = mirror.see(numbers, watcher.passive)
             seen.append(what)
             images.append(looked)
             report(len(seen) / len(whole))
-    beliefs = [organs(acts, understood(acts, one_, watcher.neutral)[1], joints) for one_ in seen]
-    relations = np.stack([comparable(acts.mind, one_, watcher.neutral) for one_ in seen])
-    return Watched(shown, watcher, whole, images, seen, relations, np.stack(beliefs), truth(adult).of(whole[-1]))
-
-
-def named(label: IntArray | int) -> str:
-    """For people."""
-    return (*GESTURES, "nothing")[int(label)]
+    neutral = watcher.neutral if mirror is None else mirror.see(watcher.passive, watcher.passive).relations
+    beliefs = [organs(acts, understood(acts, what, neutral)[1], joints) for what in seen]
+    relations = np.stack([comparable(acts.mind, what, neutral) for what in seen])
+    true = truth(adult).of(whole[-1])
+    return Watched(shown, watcher, whole, images, seen, neutral, relations, np.stack(beliefs), true)
 
 
 def told(done: Done) -> dict[str, Any]:
@@ -177,8 +142,3 @@ def rows(done: Done, m: dict[str, Any]) -> Sequence[tuple[str, str]]:
             ("missed by try, share of the range", share),
         ]
     return say
-
-
-def act_ticks() -> int:
-    """Frames of an act."""
-    return round(HOLD_S / TICK_S)

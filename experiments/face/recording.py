@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from babbling.axes import FloatArray
 from babbling.relations import RELATIONS
 from experiments.face.judging import ORGANS
-from experiments.face.one import TICK_S, Done, Watched, act_ticks, named
+from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_eyes
 from experiments.shared.palette import DEMONSTRATED, IMITATED, INKS, light
@@ -33,7 +33,7 @@ def record(path: Path, done: Done, summary: str) -> None:
     name = f"{done.config.gesture}, {done.config.strength}, seed {done.config.seed}"
     with recording(path, "imitate-face", name, layout(done), summary) as stream:
         stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-        after = 2 * act_ticks() * len(done.tried.commands)
+        after = 2 * ACT_TICKS * len(done.tried.commands)
         seen = 0 if done.watched is None else _log_watched(stream, done.watched, after)
         _log_tries(stream, done, seen)
 
@@ -75,8 +75,8 @@ def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> in
     for name, colour, belief in zip((*ORGANS, "nothing"), colours, watched.organs.T, strict=True):
         log_series(stream, f"organ/{name}", np.pad(belief, (0, after), mode="edge"), TICK_S, name, colour)
     _log_relations(stream, "seen", watched.relations, 0)
-    quiet = count - act_ticks()
-    states = ["at rest"] * quiet + ["acts"] * act_ticks() + ["at rest"]
+    quiet = count - ACT_TICKS
+    states = ["at rest"] * quiet + ["acts"] * ACT_TICKS + ["at rest"]
     log_states(stream, "doing/adult", dict.fromkeys(states), states, TICK_S)
     return count
 
@@ -89,7 +89,7 @@ def _log_tries(stream: rr.RecordingStream, done: Done, begin: int) -> None:
     configurations, senses, doing = [np.array(body.batch.qpos[0])] * begin, [], ["watches"] * begin
     for number, command in enumerate(done.tried.commands[:, 0]):
         for line, what in ((command, f"try {number + 1}"), (done.mind.rest, "rests")):
-            for _ in range(act_ticks()):
+            for _ in range(ACT_TICKS):
                 senses.append(body.act(line[None])[0])
                 configurations.append(np.array(body.batch.qpos[0]))
                 doing.append(what)

@@ -75,6 +75,8 @@ class Watcher:
     known: Acquainted
     neutral: FloatArray
     """(8,) relations seen of it when it did nothing."""
+    passive: FloatArray
+    """(2, NUMBERS) what it then looked like."""
 
     @classmethod
     def of(cls, face: Face, view: View, rng: np.random.Generator, looks: int = 3) -> "Watcher":
@@ -82,12 +84,15 @@ class Watcher:
         onlooker, passive = Onlooker(face, view), still(face)
         first, *more = (look_at(onlooker.look(passive, rng)) for _ in range(looks))
         known = acquaint(np.stack([first, *more]), FOCAL_PX)
-        return cls(face, onlooker, known, np.mean([see(known, look).relations for look in more], 0))
+        return cls(face, onlooker, known, np.mean([see(known, look).relations for look in more], 0), first)
 
-    def watch(self, configuration: FloatArray, rng: np.random.Generator) -> tuple[Seen, tuple[Image, Image]]:
-        """What it sees of the face now, and the images."""
+    def watch(
+        self, configuration: FloatArray, rng: np.random.Generator
+    ) -> tuple[Seen, FloatArray, tuple[Image, Image]]:
+        """What it sees of the face now, the (2, NUMBERS) by which it does, and the images."""
         images = self.onlooker.look(configuration, rng)
-        return see(self.known, look_at(images)), images
+        numbers = look_at(images)
+        return see(self.known, numbers), numbers, images
 
 
 def truth(face: Face) -> Truth:

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from babbling.relations import RELATIONS
 from experiments.face.judging import MAIN, ORGANS
-from experiments.face.one import TICK_S, Done
+from experiments.face.once import TICK_S, Done
 from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
 
 

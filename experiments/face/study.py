@@ -12,6 +12,7 @@ from experiments.face.answering import Answers, answered, together, understood
 from experiments.face.infants import TOGETHER, Group, Infant, joint_of_motor, raised
 from experiments.face.judging import organs
 from experiments.face.later import AfterPacifier, after_day, after_pacifier
+from experiments.face.mirroring import Compared, compared
 from experiments.face.options import Config
 from experiments.face.scores import NS, Powers, power
 from experiments.face.theories import GESTURES, Infants
@@ -27,6 +28,8 @@ TWICE: Final = 2
 TRIES, WORN_TRIES = 3, 5
 WORN_GROUPS: Final = 2
 SCRAMBLED_ACTS: Final = 240
+PUPILS: Final = 2
+"""Infants before a mirror, for comparison."""
 COURSES: Final = 5
 """Infants whose beliefs are followed through acts, and of those that act a day later."""
 
@@ -71,6 +74,8 @@ class Studied:
     course_strong: BoolArray
     motors_right: float
     """Share of relations whose own motor was found, of infants with permuted motors and few acts."""
+    mirrored: list[Compared]
+    """Infants that learned of faces before a mirror."""
     powers: Powers
     infants: Infants
     took_s: float
@@ -98,6 +103,8 @@ def studied(config: Config) -> Studied:
         for g, infants in zip([*groups, *worn], raised_, strict=False)
     ]
     answers = in_parallel(answer, answering, config.workers, "identifying organs, trying")
+    pupils = [(groups[0], infant, bank) for infant in raised_[0][:PUPILS]]
+    mirrored = in_parallel(compared, pupils, config.workers, "before a mirror")
     own = answers[: len(groups)]
     fresh = {name: together([each.answers[name] for each in own]) for name in VIEWS}
     first = replace(groups[0], count=COURSES)
@@ -126,7 +133,8 @@ def studied(config: Config) -> Studied:
         at_once.gesture.ravel(), at_once.strong.ravel(), at_once.labels.reshape(-1, TRIES),
         together([each.answers["usual"] for each in answers[len(groups):]]),
         np.array(beliefs), np.tile([look.shown.gesture for look in course], COURSES),
-        np.tile([look.shown.strong for look in course], COURSES), float(np.mean(found)), powers, infants,
+        np.tile([look.shown.strong for look in course], COURSES), float(np.mean(found)), mirrored, powers,
+        infants,
         time.perf_counter() - began,
     )  # fmt: skip
 

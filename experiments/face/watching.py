@@ -49,6 +49,8 @@ class Look:
     """(8,) relations seen when it did nothing."""
     seen: tuple[Seen, ...]
     """At its end; or, all through it, at `TIMES_S`."""
+    numbers: FloatArray
+    """(2, 2, NUMBERS) what the face looked like when it did nothing, and at the end of the act."""
 
 
 def watched(looking: Looking) -> list[Look]:
@@ -63,6 +65,6 @@ def watched(looking: Looking) -> list[Look]:
     true, watcher = truth(face).of(frames[-1]), Watcher.of(face, looking.view, rng)
     looks = []
     for number, one in enumerate(shown):
-        seen = tuple(watcher.watch(frame[number], rng)[0] for frame in frames)
-        looks.append(Look(looking, one, true[number], watcher.neutral, seen))
+        seen, numbers, _ = zip(*(watcher.watch(frame[number], rng) for frame in frames), strict=True)
+        looks.append(Look(looking, one, true[number], watcher.neutral, seen, np.stack([watcher.passive, numbers[-1]])))
     return looks
