@@ -30,6 +30,8 @@ class Answers:
     """(I, L)"""
     metres: FloatArray
     """(I, L) from where."""
+    front: BoolArray
+    """(I, L) whether the face looked straight at it."""
     organ: FloatArray
     """(I, L, 6) P(organ), nothing last."""
     peers: IntArray
@@ -119,6 +121,7 @@ def answered(
         gesture=gesture.reshape(shape),
         strong=np.array([look.shown.strong for look in every]).reshape(shape),
         metres=np.array([look.looking.view.distance for look in every]).reshape(shape),
+        front=np.array([look.looking.view.straight for look in every]).reshape(shape),
         organ=np.stack(beliefs).reshape(*shape, -1),
         peers=np.array(peers).T.reshape(2, *shape),
         labels=np.moveaxis(labels(true), 0, -1).reshape(*shape, -1),

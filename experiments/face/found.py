@@ -71,9 +71,9 @@ def metrics(found: Studied) -> dict[str, Any]:
         "match_error_share_by_gesture": {
             name: np.median(usual.missed[usual.gesture == number], 0) for number, name in enumerate(GESTURES)
         },
-        "tongue_error_mm": {
-            f"{metres:g}": np.median(usual.tongue_mm[tongue_out(usual) & (np.abs(usual.metres - metres) < 0.01)], 0)
-            for metres in (0.3, 0.45, 0.6)
+        "tongue_error_mm": {f"{metres:g}": tongue_mm(usual, metres, usual.front) for metres in (0.3, 0.45, 0.6)},
+        "tongue_error_mm_turned_10_deg": {
+            f"{metres:g}": tongue_mm(usual, metres, ~usual.front) for metres in (0.3, 0.6)
         },
         "tries_median": float(np.median(tries_until(usual.missed))),
         "tries_median_worn": float(np.median(tries_until(found.worn.missed))),
@@ -116,9 +116,10 @@ def tries_until(missed: FloatArray) -> FloatArray:
     return np.asarray(np.where(near.any(-1), near.argmax(-1) + 1, missed.shape[-1] + 1))
 
 
-def tongue_out(answers: Answers) -> BoolArray:
-    """Strong ones."""
-    return np.asarray((answers.gesture == 0) & answers.strong)
+def tongue_mm(answers: Answers, metres: float, keep: BoolArray) -> FloatArray:
+    """(K,) median over strong tongues out, seen from so far."""
+    keep = keep & (answers.gesture == 0) & answers.strong & (np.abs(answers.metres - metres) < 0.01)
+    return np.asarray(np.median(answers.tongue_mm[keep], 0))
 
 
 def habits(found: Studied) -> FloatArray:

@@ -28,7 +28,7 @@ LEVELS: Final = 7
 NOTHING: Final = 0.5
 """P(nothing was done), beforehand: most of the time a face is at rest, and what a tongue does behind shut lips cannot
 be seen."""
-FEWER: Final = 0.1
+FEWER: Final = 0.03
 """P(one motor more), against one less."""
 SHOWS: Final = 0.04, -0.1
 """Gap from which, and place beyond the lips from which, the tongue is seen."""

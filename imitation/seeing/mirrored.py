@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import FloatArray
 from imitation.errors import ImitationError
 from imitation.seeing.face_fit import Seen
 from imitation.seeing.face_template import POSE
@@ -26,7 +26,7 @@ FEWEST: Final = 20
 def features(look: FloatArray, neutral: FloatArray) -> FloatArray:
     """(..., D) of (..., 2, NUMBERS) looks and what a face at rest looked like; what is hidden is as at rest."""
     apart = np.nanmean(neutral[:, 0] - neutral[:, 2])
-    there: BoolArray = np.logical_not(np.isnan(look))
+    there = np.isfinite(np.asarray(look, float)[..., None])[..., 0]
     tongue = there[..., -1].all(-1)
     change = np.where(there & np.isfinite(neutral), look - neutral, 0.0)
     out = np.where(there[..., 18:], look[..., 18:], 0.0) * tongue[..., None, None]

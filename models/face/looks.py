@@ -28,6 +28,11 @@ class View:
     yaw_deg: float = 0.0
     pitch_deg: float = 0.0
 
+    @property
+    def straight(self) -> bool:
+        """Whether it looks straight at one."""
+        return self.yaw_deg == self.pitch_deg == 0
+
 
 class Onlooker:
     """Two parallel eyes and a face before them; the eyes are level with the nose."""
