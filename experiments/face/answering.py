@@ -52,11 +52,6 @@ class Answers:
         """(I, L) whether the most probable organ is the one that was moved."""
         return np.asarray(self.organ.argmax(-1) == ORGAN_SHOWN[self.gesture])
 
-    def only(self, keep: BoolArray) -> "Answers":
-        """Those of (I, L) `keep`, as (1, n)."""
-        arrays = {name: getattr(self, name)[keep][None] for name in vars(self) if name != "peers"}
-        return Answers(**arrays, peers=self.peers[:, keep][:, None])
-
 
 def together(parts: Sequence[Answers]) -> Answers:
     """Of all groups."""

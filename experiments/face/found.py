@@ -40,8 +40,9 @@ def metrics(found: Studied) -> dict[str, Any]:
     after = np.concatenate([each.labels[:, -1] for each in found.pacified])
     rates["after_pacifier"] = rate(after == usual.gesture.ravel())
     rates["at_once"] = rate((usual.labels[..., -1] == usual.gesture).ravel())
-    rates["after_day"] = rate(found.day[:, -1] == found.day_gesture)
-    rates["at_once_of_those_after_day"] = rate(found.day_at_once[:, -1] == found.day_gesture)
+    some = found.at_once
+    rates["after_day"] = rate(found.day[:, -1] == some.gesture.ravel())
+    rates["at_once_of_those_after_day"] = rate((some.labels[..., -1] == some.gesture).ravel())
     stopped = np.concatenate([each.stopped for each in found.pacified])
     tongue = np.isin(usual.gesture.ravel(), (0, 1))
     rates["tongue_out_with_pacifier"] = rate(np.isin(stopped[tongue], (0, 1)))
@@ -129,15 +130,16 @@ def habits(found: Studied) -> FloatArray:
 
 def course(found: Studied) -> dict[str, Any]:
     """P(the right organ) and whether it is the most probable one, all through acts."""
-    right = ORGAN_SHOWN[found.course_gesture]
-    belief = np.take_along_axis(found.course, right[:, None, None], -1)[..., 0]
-    best = found.course.argmax(-1) == right[:, None]
+    organ, gesture, strong = found.course
+    right = ORGAN_SHOWN[gesture]
+    belief = np.take_along_axis(organ, right[:, None, None], -1)[..., 0]
+    best = organ.argmax(-1) == right[:, None]
     return {
         "time": [round(time, 3) for time in TIMES_S],
         **{
             f"{what}_{strength}": values[keep].mean(0)
             for what, values in (("probability", belief), ("accuracy", best))
-            for strength, keep in (("strong", found.course_strong), ("weak", ~found.course_strong))
+            for strength, keep in (("strong", strong), ("weak", ~strong))
         },
     }
 

@@ -51,7 +51,7 @@ def after_pacifier(
     for act in range(PASSIVE_ACTS):
         body.act(np.repeat(np.stack([infant.habits[act] for infant in infants]), share, axis=0))
     _, after = acted(body, minds, memories, count, reset=False)
-    return AfterPacifier(labels(stopped[0]), float(np.mean(idle)), labels(after).T)
+    return AfterPacifier(labels(stopped[0]), sum(idle) / max(len(idle), 1), labels(after).T)
 
 
 def after_day(group: Group, infants: Sequence[Infant], memories: Sequence[FaceMemory], count: int) -> IntArray:

@@ -30,8 +30,10 @@ WORN_GROUPS: Final = 2
 SCRAMBLED_ACTS: Final = 240
 PUPILS: Final = 2
 """Infants before a mirror, for comparison."""
-COURSES: Final = 5
-"""Infants whose beliefs are followed through acts, and of those that act a day later."""
+SOME: Final = 5
+"""Infants whose beliefs are followed through acts, and who act a day later."""
+FOLLOWED: Final = 0, 2
+"""Of the usual views, those from which acts are looked at all through."""
 
 
 class Answering(NamedTuple):
@@ -53,6 +55,15 @@ class Answered(NamedTuple):
     pacified: AfterPacifier | None
 
 
+class Course(NamedTuple):
+    """Beliefs all through acts."""
+
+    organ: FloatArray
+    """(infants x acts, times, 6) P(organ)."""
+    gesture: IntArray
+    strong: BoolArray
+
+
 @dataclass(frozen=True, eq=False)
 class Studied:
     """Before it is told."""
@@ -61,17 +72,12 @@ class Studied:
     fresh: dict[str, Answers]
     """By condition."""
     pacified: list[AfterPacifier]
+    at_once: Answers
+    """Of some infants to their usual looks."""
     day: IntArray
-    """(B, K) labels a day later, of the first infants' usual looks."""
-    day_gesture: IntArray
-    day_strong: BoolArray
-    day_at_once: IntArray
-    """(B, K) labels of the same at once."""
+    """(B, K) labels of what they do about the same a day later."""
     worn: Answers
-    course: FloatArray
-    """(infants x acts, times, 6) P(organ)."""
-    course_gesture: IntArray
-    course_strong: BoolArray
+    course: Course
     motors_right: float
     """Share of relations whose own motor was found, of infants with permuted motors and few acts."""
     mirrored: list[Compared]
@@ -84,64 +90,70 @@ class Studied:
 def studied(config: Config) -> Studied:
     """All of it."""
     began = time.perf_counter()
-    face = face_of(config.face)
-    count = config.infants // TOGETHER
-    groups = [Group(face, n, TOGETHER, config.acts, config.seed, config.scramble) for n in range(count)]
+    face, numbers = face_of(config.face), range(config.infants // TOGETHER)
+    groups = [Group(face, n, TOGETHER, config.acts, config.seed, config.scramble) for n in numbers]
     worn = [replace(groups[0], face=FACES["newborn-worn"], number=1000 + n) for n in range(WORN_GROUPS)]
     scrambled = replace(groups[0], number=2000, acts=SCRAMBLED_ACTS, scramble=config.seed + 1)
-    lookings = [
-        Looking(condition, name, view, EACH, 100 * config.seed + 10 * n + k)
-        for n, (condition, views) in enumerate(VIEWS.items())
-        for k, (name, view) in enumerate(views)
-    ]
-    lookings += [Looking("course", *VIEWS["usual"][k], 2, 100 * config.seed + 90 + k, True) for k in (0, 2)]
-    everybody = [*groups, *worn, scrambled]
-    raised_ = in_parallel(raised, everybody, config.workers, "babbling in the dark")
-    bank = [look for each in in_parallel(watched, lookings, config.workers, "faces are looked at") for look in each]
+    *nurseries, shuffled = in_parallel(raised, [*groups, *worn, scrambled], config.workers, "babbling in the dark")
+    looked = in_parallel(watched, lookings(config.seed), config.workers, "faces are looked at")
+    bank = [look for each in looked for look in each]
     answering = [
-        _answering(g, infants, bank, config.seed, usual_only=g.number >= 1000)
-        for g, infants in zip([*groups, *worn], raised_, strict=False)
+        _answering(group, infants, bank, config.seed, usual_only=group.face != face)
+        for group, infants in zip([*groups, *worn], nurseries, strict=True)
     ]
     answers = in_parallel(answer, answering, config.workers, "identifying organs, trying")
-    pupils = [(groups[0], infant, bank) for infant in raised_[0][:PUPILS]]
+    pupils = [(groups[0], infant, bank) for infant in nurseries[0][:PUPILS]]
     mirrored = in_parallel(compared, pupils, config.workers, "before a mirror")
+    some, those = replace(groups[0], count=SOME), nurseries[0][:SOME]
+    at_once, memories = answered(some, those, answering[0].looks["usual"][:SOME], TRIES)
     own = answers[: len(groups)]
     fresh = {name: together([each.answers[name] for each in own]) for name in VIEWS}
-    first = replace(groups[0], count=COURSES)
-    at_once, memories = answered(first, raised_[0][:COURSES], answering[0].looks["usual"][:COURSES], TRIES)
-    day = after_day(first, raised_[0][:COURSES], memories, TRIES)
-    joints = joint_of_motor(groups[0].body(1))
-    course = [look for look in bank if look.looking.condition == "course" and look.shown.gesture < len(GESTURES)]
-    beliefs = []
-    for infant in raised_[0][:COURSES]:
-        acts = OwnActs(infant.mind)
-        for look in course:
-            beliefs.append([organs(acts, understood(acts, s, look.neutral)[1], joints) for s in look.seen])
-    right = joint_of_motor(scrambled.body(1))
-    found = [right[infant.mind.motors] == np.arange(len(infant.mind.motors)) for infant in raised_[-1]]
-    usual = fresh["usual"]
-    infants = Infants(
-        np.concatenate([[infant.habit for infant in each] for each in raised_[: len(groups)]]),
-        np.stack(
-            [usual.labels[:, _of(usual, gesture)].reshape(len(usual.labels), -1) for gesture in range(len(GESTURES))], 1
-        ),
-    )
-    ns = [n for n in NS if n <= len(infants.habit)]
-    powers = power(infants, ns=ns, rng=np.random.default_rng([config.seed, 0x90E4]))
+    infants = judged([infant for each in nurseries[: len(groups)] for infant in each], fresh["usual"])
+    sizes = [n for n in NS if n <= config.infants]
+    found = joint_of_motor(scrambled.body(1))[np.stack([infant.mind.motors for infant in shuffled])]
     return Studied(
-        config, fresh, [each.pacified for each in own if each.pacified is not None], day,
-        at_once.gesture.ravel(), at_once.strong.ravel(), at_once.labels.reshape(-1, TRIES),
-        together([each.answers["usual"] for each in answers[len(groups):]]),
-        np.array(beliefs), np.tile([look.shown.gesture for look in course], COURSES),
-        np.tile([look.shown.strong for look in course], COURSES), float(np.mean(found)), mirrored, powers,
-        infants,
-        time.perf_counter() - began,
-    )  # fmt: skip
+        config=config,
+        fresh=fresh,
+        pacified=[each.pacified for each in own if each.pacified is not None],
+        at_once=at_once,
+        day=after_day(some, those, memories, TRIES),
+        worn=together([each.answers["usual"] for each in answers[len(groups) :]]),
+        course=_course(groups[0], those, bank),
+        motors_right=float((found == np.arange(found.shape[1])).mean()),
+        mirrored=mirrored,
+        powers=power(infants, ns=sizes, rng=np.random.default_rng([config.seed, 0x90E4])),
+        infants=infants,
+        took_s=time.perf_counter() - began,
+    )
 
 
-def _of(answers: Answers, gesture: int) -> IntArray:
-    """Columns in which every infant saw this gesture strongly: looks stand in the same order for all."""
-    return np.flatnonzero((answers.gesture == gesture).all(0) & answers.strong.all(0))
+def lookings(seed: int) -> list[Looking]:
+    """Every view of the bank; two of them all through the acts."""
+    views = [(condition, *one) for condition, ones in VIEWS.items() for one in ones]
+    views += [("course", *VIEWS["usual"][k]) for k in FOLLOWED]
+    return [
+        Looking(condition, face, view, 2 if condition == "course" else EACH, 100 * seed + n, condition == "course")
+        for n, (condition, face, view) in enumerate(views)
+    ]
+
+
+def judged(infants: Sequence[Infant], usual: Answers) -> Infants:
+    """What a judge saw of them: own acts, and answers to strong gestures."""
+    strong = [usual.labels[:, (usual.gesture[0] == g) & usual.strong[0]] for g in range(len(GESTURES))]
+    imitated = np.stack([labels.reshape(len(labels), -1) for labels in strong], axis=1)
+    return Infants(np.stack([infant.habit for infant in infants]), imitated)
+
+
+def _course(group: Group, infants: Sequence[Infant], bank: Sequence[Look]) -> Course:
+    joints = joint_of_motor(group.body(1))
+    looks = [look for look in bank if look.looking.condition == "course" and look.shown.gesture < len(GESTURES)]
+    beliefs = [
+        [organs(acts, understood(acts, seen, look.neutral)[1], joints) for seen in look.seen]
+        for acts in (OwnActs(infant.mind) for infant in infants)
+        for look in looks
+    ]
+    shown = [look.shown for look in looks] * len(infants)
+    return Course(np.array(beliefs), np.array([one.gesture for one in shown]), np.array([one.strong for one in shown]))
 
 
 def _answering(group: Group, infants: list[Infant], bank: Sequence[Look], seed: int, usual_only: bool) -> Answering:

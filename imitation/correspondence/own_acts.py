@@ -25,7 +25,7 @@ from imitation.inference.bayes import Posterior, action_posterior
 
 LEVELS: Final = 7
 """Commands imagined of each motor."""
-NOTHING: Final = 0.5
+NOTHING: Final = 0.3
 """P(nothing was done), beforehand: most of the time a face is at rest, and what a tongue does behind shut lips cannot
 be seen."""
 FEWER: Final = 0.03
@@ -34,11 +34,11 @@ SHOWS: Final = 0.04, -0.1
 """Gap from which, and place beyond the lips from which, the tongue is seen."""
 LAPSE: Final = 0.02
 """P(it is seen, or not, against that)."""
-CLOUD: Final = 1e-4
+CLOUD: Final = 1e-8
 """Share of the likelihood that anything might look like: no hypothesis is ruled out for good."""
 
 
-ALIKE: Final = 0.012
+ALIKE: Final = 0.008
 """How nearly another's relations are seen as they are: what an innate template of the average face misses."""
 OTHERS: Final = 0.02
 """How far relations that were not moved may look moved, once it is known which were."""
@@ -83,6 +83,19 @@ class OwnActs:
         share = np.where(sizes > 0, FEWER**sizes, 0.0) / np.bincount(sizes)[sizes]
         return np.asarray(np.where(sizes > 0, (1 - NOTHING) * share / share.sum(), NOTHING))
 
+    @cached_property
+    def _alike(self) -> tuple[tuple[IntArray, FloatArray, FloatArray, BoolArray], ...]:
+        """Hypotheses of equally many acts side by side: their numbers, (S, A, 8) relations, (S, 8) squared kernels, and
+        (S, A) whether the tongue could be seen."""
+        counts = np.array([len(one.relations) for one in self.acts])
+        groups = []
+        for count in np.unique(counts):
+            which = np.flatnonzero(counts == count)
+            some = [self.acts[k] for k in which]
+            kernels = np.stack([(one.step / 2) ** 2 + ALIKE**2 for one in some])
+            groups.append((which, np.stack([o.relations for o in some]), kernels, np.stack([o.shows() for o in some])))
+        return tuple(groups)
+
     def posterior(self, seen: FloatArray, information: FloatArray, tongue: bool) -> Posterior:
         """P(S | seen) over `acts`.
 
@@ -91,17 +104,15 @@ class OwnActs:
             information: (8, 8) how surely.
             tongue: whether the tongue was seen.
         """
-        log = np.array([self._evidence(one, seen, information, tongue) for one in self.acts])
+        log = np.empty(len(self.acts))
+        for which, relations, kernels, shows in self._alike:
+            wide = np.eye(len(seen)) + kernels[:, :, None] * information
+            precision = information @ np.linalg.inv(wide)
+            off = relations - seen
+            each = -0.5 * ((off @ precision) * off).sum(-1) - 0.5 * np.linalg.slogdet(wide)[1][:, None]
+            each += np.log(np.where(shows == tongue, 1 - LAPSE, LAPSE))
+            log[which] = logsumexp(each, axis=1) - np.log(each.shape[1])
         return action_posterior(np.exp(log - log.max()) + CLOUD, self.prior)
-
-    def _evidence(self, acts: Imagined, seen: FloatArray, information: FloatArray, tongue: bool) -> float:
-        blur = np.diag((acts.step / 2) ** 2 + ALIKE**2)
-        wide = np.eye(len(seen)) + blur @ information
-        precision = information @ np.linalg.inv(wide)
-        off = acts.relations - seen
-        log = -0.5 * np.einsum("ai,ij,aj->a", off, precision, off) - 0.5 * np.linalg.slogdet(wide)[1]
-        log = log + np.log(np.where(acts.shows() == tongue, 1 - LAPSE, LAPSE))
-        return float(logsumexp(log) - np.log(len(log)))
 
     def _sets(self) -> Iterator[tuple[int, ...]]:
         others = [motor for motor in sorted(set(self.mind.motors.tolist())) if motor != self.opener]
