@@ -20,7 +20,7 @@ VIEWS: Final = {
     "other": [(face, View(distance)) for face in ("adult-long", "adult-round") for distance in (0.3, 0.6)],
 }  # fmt: skip
 """Faces and views by condition: up to 10 degrees and .6 m; 20 degrees; faces of other proportions."""
-TIMES_S: Final = (0.06, 0.1, 0.16, 0.24, 0.3)
+TIMES_S: Final = (0.02, 0.04, 0.06, 0.1, 0.16, 0.3)
 """Into an act, for the course of beliefs."""
 
 
