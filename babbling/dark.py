@@ -101,11 +101,19 @@ def babble(
     for act in range(STILL_ACTS):
         nothing[act] = body.act(np.tile(rest, (copies, 1)))
     for act in range(acts):
+        if act in (third, 2 * third):  # first the opener's own reach; then, with the mouth open, that of all others
+            reach = [
+                _reach(order[:, c], commands[act - third : act, c], senses[act - third : act, c]) for c in everyone
+            ]
         if act == third:
             opener = _opener(order, senses[:third])
-            low, high = np.stack(
-                [_reach(order[:, c], commands[:third, c], senses[:third, c], (low[c], high[c])) for c in everyone], 1
-            )
+            for c, motor in enumerate(opener):
+                low[c, motor], high[c, motor] = reach[c][:, motor]
+        if act == 2 * third:
+            kept = [np.stack([low[c, motor], high[c, motor]]) for c, motor in enumerate(opener)]
+            low, high = np.stack(reach, 1)
+            for c, motor in enumerate(opener):
+                low[c, motor], high[c, motor] = kept[c]
         command, chosen = np.tile(rest, (copies, 1)), low + level[act] * (high - low)
         if act < 2 * third:
             mover = order[act % third]
@@ -154,19 +162,21 @@ def _opener(order: IntArray, senses: FloatArray) -> IntArray:
     return np.asarray(np.argmax(share, axis=1))
 
 
-def _reach(
-    order: IntArray, commands: FloatArray, senses: FloatArray, ends: tuple[FloatArray, FloatArray]
-) -> FloatArray:
-    """(2, M) commands between which a motor's own joint moves: those beyond leave it where its extremes are."""
-    found = np.stack(ends)
+def _reach(order: IntArray, commands: FloatArray, senses: FloatArray) -> FloatArray:
+    """(2, M) commands between which the joint that goes with a motor most closely moves: those beyond leave it where
+    its extremes are. Where nothing can be told, all commands there were."""
+    found = np.stack([commands.min(0), commands.max(0)])
     for motor in range(found.shape[1]):
         mine = order == motor
         command, joints = commands[mine, motor], senses[mine, : len(RELATIONS)]
-        felt = joints[:, np.argmax(np.ptp(joints, 0) / np.ptp(senses[:, : len(RELATIONS)], 0))]
-        up = np.polyfit(command, felt, 1)[0] > 0
-        for end, extreme in enumerate((felt.min(), felt.max()) if up else (felt.max(), felt.min())):
-            there = command[np.abs(felt - extreme) < FLAT * np.ptp(felt)]
-            found[end, motor] = there.max() if end == 0 else there.min()
+        away = joints - joints.mean(0)
+        along = (command - command.mean()) @ away / np.maximum(np.linalg.norm(away, axis=0), 1e-12)
+        best = int(np.abs(along).argmax())
+        felt = joints[:, best] * np.sign(along[best])
+        flat = FLAT * np.ptp(felt)
+        ends = command[felt < felt.min() + flat].max(), command[felt > felt.max() - flat].min()
+        if ends[0] < ends[1]:
+            found[:, motor] = ends
     return found
 
 

@@ -6,7 +6,7 @@ turns, so that it can be held against what is seen of somebody else. Innate are 
 (in the dark nothing could tell) and the sizes below; where lips part and where the tongue meets them is found by touch:
 
     gap = 2 J sin((jaw - jaw_0) / 2)        beyond = (slide - slide_0) / W - L
-    side = T sin yaw             up = T sin pitch            purse = F lips / W        brow = brows / W
+    side = T sin yaw cos pitch   up = T sin pitch            purse = F lips / W        brow = brows / W
 """
 
 from dataclasses import dataclass
@@ -32,8 +32,6 @@ LIPS, TIP = slice(16, 20), 20
 TOUCHED_N: Final = 0.01
 SHUT: Final = 0.05
 """rad beyond which, from where lips part, the tongue may already pass."""
-FEWEST: Final = 3
-"""Acts that must have shown a place."""
 
 
 @dataclass(frozen=True)
@@ -50,17 +48,17 @@ class Landmarks:
         """Out of the (N, S) senses at the ends of acts.
 
         Raises:
-            BabblingError: too few acts showed where lips part, or where the tongue meets them.
+            BabblingError: no act showed where lips part, or where the tongue meets them.
         """
         lips = (senses[:, LIPS] > TOUCHED_N).any(1)
         tongue = senses[:, TIP] > TOUCHED_N
         shut = lips & ~tongue
-        if shut.sum() < FEWEST:
-            raise BabblingError("the lips were hardly ever felt to touch: babble longer")
+        if not shut.any():
+            raise BabblingError("the lips were never felt to touch: babble longer")
         parted = float(np.median(senses[shut, 0]))
-        inside = tongue & (senses[:, 0] < parted + SHUT) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
-        if inside.sum() < FEWEST:
-            raise BabblingError("the tongue was hardly ever felt to meet the lips from inside: babble longer")
+        inside = tongue & lips & (senses[:, 0] < parted + SHUT) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
+        if not inside.any():
+            raise BabblingError("the tongue was never felt to meet the lips from inside: babble longer")
         return cls(parted, float(np.median((senses[:, 1] - FORWARD * senses[:, 4])[inside])))  # it pushes them
 
     def relations(self, senses: FloatArray) -> FloatArray:
@@ -71,7 +69,7 @@ class Landmarks:
             [
                 2 * JAW * np.sin((jaw - self.parted) / 2),
                 (slide - self.met) / MOUTH_M - LIP,
-                TONGUE * np.sin(yaw),
+                TONGUE * np.sin(yaw) * np.cos(pitch),
                 TONGUE * np.sin(pitch),
                 purse,
                 brows / MOUTH_M,

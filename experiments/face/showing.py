@@ -9,7 +9,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from experiments.face.theories import GESTURES
 from imitation.seeing.face_fit import Acquainted, Seen, acquaint, look_at, see
-from models.face import JOINTS, Face
+from models.face import JOINTS, SLIDES, Face
 from models.face.body import face_body, face_model
 from models.face.looks import FOCAL_PX, Onlooker, View
 from models.face.relations import Truth
@@ -30,7 +30,6 @@ SHOWN: Final = {
 """Strongly and weakly: least and most of each joint, degrees, or mm in a newborn's face; what can go to either side
 goes to one of them. A weak tongue comes 1 to 3 mm beyond the lips: what stays behind them cannot be seen."""
 SIDED: Final = ("tongue_yaw", "neck_yaw")
-SLIDES: Final = ("tongue", "upper_lip_left", "brows")
 HOLD_S: Final = 0.3
 
 

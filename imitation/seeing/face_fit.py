@@ -38,6 +38,11 @@ INSIDE: Final = -0.1
 """Widths of the mouth beyond the lip: further back the tongue is in the dark."""
 OPEN, BEYOND, SIDE = np.linspace(0.0, 1.0, 9), np.linspace(-0.2, 0.8, 9), np.linspace(-0.4, 0.4, 7)
 """Where jaw and tongue are looked for first."""
+ABOUT: Final = np.array([-0.1, 0.0, 0.1])
+"""About the gap that was found without the tongue."""
+STARTS, APART, FAR, POOR = 3, 0.15, 30.0, 1.5
+"""Places to start from, how far from each other, and standard deviations: as far as an error counts in choosing them,
+and from which on a fit is tried from another one."""
 STEP: Final = 1e-3
 RELATIONS: Final = (*MOVING, "turn", "nod")
 
@@ -117,10 +122,14 @@ def see(face: Acquainted, look: FloatArray, free: BoolArray | None = None) -> Se
     if free is not None:
         may[POSE:] = free[: len(MOVING)]
     fit = _Fit(face, look, may, tongue=False)
-    dark = found = fit.solved(fit.begun(USUAL, {GAP: OPEN}))
+    dark = found = fit.solved(fit.begun(USUAL, {GAP: OPEN})[0])
     if tongue and may[TIP]:
         lit = _Fit(face, look, may, tongue=True)
-        found = lit.solved(lit.begun(found, {TIP: BEYOND, TIP + 1: SIDE}))
+        starts = lit.begun(found, {GAP: found[GAP] + ABOUT, TIP: BEYOND, TIP + 1: SIDE})
+        found = lit.solved(starts[0])
+        for start in starts[1:]:
+            if lit.misses(found) > POOR:
+                found = min(found, lit.solved(start), key=lit.misses)
         fit, found = (lit, found) if found[TIP] > INSIDE else (fit, dark)
     return fit.seen(found)
 
@@ -144,11 +153,21 @@ class _Fit:
         return np.asarray(((shown - self.look) / self.sigma)[:, self.there])
 
     def begun(self, found: FloatArray, places: Mapping[int, FloatArray]) -> FloatArray:
-        """The best look that has these numbers at these places, all else as found: where to start from."""
+        """(STARTS, 12) the best looks that have these numbers at these places, all else as found: where to start from,
+        the best first, the others far from those before."""
         grid = np.stack(np.meshgrid(*places.values()), -1).reshape(-1, len(places))
         looks = np.tile(found, (len(grid), 1))
         looks[:, list(places)] = grid
-        return np.asarray(looks[(self.off(looks) ** 2).sum(1).argmin()])
+        cost = np.minimum(np.abs(self.off(looks)), FAR).sum(1)
+        starts = []
+        for _ in range(STARTS):
+            starts.append(looks[cost.argmin()])
+            cost = cost + FAR * len(grid[0]) * 100 * (np.abs(grid - starts[-1][list(places)]).max(1) < APART)
+        return np.stack(starts)
+
+    def misses(self, found: FloatArray) -> float:
+        """Root mean square of what is left unexplained."""
+        return float(np.sqrt(np.mean(self.off(found[None]) ** 2)))
 
     def solved(self, start: FloatArray) -> FloatArray:
         """(12,) the look that explains it best."""
@@ -176,7 +195,7 @@ class _Fit:
         rows = np.eye(len(found))[self.may]
         sides = self.off(np.vstack([found + STEP * rows, found - STEP * rows]))
         slope = np.asarray((sides[: len(rows)] - sides[len(rows) :]).T / (2 * STEP))
-        misses = float(np.sqrt(np.mean(self.off(found[None]) ** 2)))
+        misses = self.misses(found)
         information = slope.T @ slope / max(misses, 1.0) ** 2
         return Seen(*_relations(found, information, self.may), self.tongue, misses, found)
 

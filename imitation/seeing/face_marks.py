@@ -29,8 +29,8 @@ LEAST_PX: Final = 3
 ROUNDS: Final = 4
 COVERED: Final = 0.3
 """Share of its columns from which a part of the lower lip is hidden by the tongue."""
-OUTER: Final = 0.55
-"""Of the distance between the upper quarters' middles: from there on the lower lip is looked at."""
+OUTER: Final = 0.55, 1.15
+"""Of the distance between the upper quarters' middles: from there on, and to there, the lower lip is looked at."""
 IRIS, NOSE, BROW, LIP, TONGUE = range(5)
 _OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])
 _HUES = np.array([COLOURS[name] for name in ("blue", "orange", "violet", "magenta", "red")]) @ _OPPONENT
@@ -109,7 +109,8 @@ def _quarters(lips: FloatArray, tongue: FloatArray) -> FloatArray:
     middle = _middle(upper)[0]
     sides = [np.clip(side * (columns - middle) + 0.5, 0, 1) for side in (1, -1)]
     above = [_middle(upper * side) for side in sides]
-    outer = np.abs(columns - middle) > OUTER * (above[0][0] - above[1][0])
+    away = np.abs(columns - middle) / (above[0][0] - above[1][0])
+    outer = (away > OUTER[0]) & (away < OUTER[1])
     below = []
     for side in sides:
         there = side * outer

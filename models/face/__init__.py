@@ -14,6 +14,8 @@ from models.wear import Wear
 FACE = Path(__file__).parent / "face.xml"
 JOINTS = ("jaw", "tongue", "tongue_yaw", "tongue_pitch", "upper_lip_left", "brows", "neck_yaw", "neck_pitch")
 """That have a motor. The tongue slides in the jaw; the four halves of the lips follow the one named."""
+SLIDES = ("tongue", "upper_lip_left", "brows")
+"""Those of them that slide; the others turn."""
 TOUCH = ("upper_lip_left", "upper_lip_right", "lower_lip_left", "lower_lip_right", "tongue")
 """Touch sensors."""
 SITES = ("tip", "upper_front", "lower_front", "corner_left", "corner_right")

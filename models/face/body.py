@@ -1,5 +1,6 @@
 """A face as a body that babbles: eight motors, what its joints feel, what its lips and its tongue touch."""
 
+from copy import deepcopy
 from functools import lru_cache
 
 import mujoco
@@ -8,13 +9,15 @@ import numpy as np
 from models.arrays import FloatArray
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.face import ACT_S, JOINTS, SITES, TOUCH, Face, Proportions
+from models.face import ACT_S, JOINTS, SITES, SLIDES, TOUCH, Face, Proportions
 from models.files import checked
 
 NOISE = np.array(
     [np.deg2rad(0.2), 1e-4, np.deg2rad(0.2), np.deg2rad(0.2), 1e-4, 1e-4, np.deg2rad(0.2), np.deg2rad(0.2)]
 )
 """Standard deviation of what each joint feels: 0.2 degrees, 0.1 mm."""
+HELD = float(np.deg2rad(9))
+"""How far a mouth opens that holds a pacifier."""
 _BLUE, _AMBER = (0.2, 0.4, 0.9, 1.0), (0.85, 0.8, 0.5, 1.0)
 
 
@@ -72,12 +75,12 @@ def face_body(
         BodyError: see `face_spec`.
     """
     body = SimulatedBody(
-        face_model(face, pacifier=pacifier),
+        deepcopy(face_model(face, pacifier=pacifier)),  # bodies make their model their own
         name=face.about,
         copies=copies,
         threads=threads,
         tick_s=tick_s,
-        noise=noise * np.where(np.array(JOINTS) == "tongue", face.proportions.size, 1.0),
+        noise=noise * np.where(np.isin(JOINTS, SLIDES), face.proportions.size, 1.0),
         wear=face.wear,
         motors=JOINTS,
         sensors=TOUCH,
@@ -91,7 +94,11 @@ def face_body(
 
 
 def _stop(spec: mujoco.MjSpec) -> None:
-    """A teat between the lips and a shield before them, held to the head; a teat alone would not stop the tongue."""
+    """A teat between the lips and a shield before them, held to the head (a teat alone would not stop the tongue), and
+    a mouth that keeps hold of it."""
+    jaw, servo, unit = spec.joint("jaw"), spec.actuator("jaw"), 180 / np.pi if spec.compiler.degree else 1.0
+    servo.ctrlrange, servo.inheritrange = jaw.range / unit, 0.0
+    jaw.range = (jaw.range[0], HELD * unit)
     head, capsule = spec.body("head"), mujoco.mjtGeom.mjGEOM_CAPSULE
     touch = {"contype": 7, "conaffinity": 7, "mass": 0.0, "friction": (0.02, 0.005, 0.0001), "solref": (0.006, 1.0)}
     box, ball, look = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE, {"contype": 8, "conaffinity": 0}

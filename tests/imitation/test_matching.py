@@ -112,7 +112,7 @@ def test_aims_out_of_reach_are_brought_within(mind: FaceMind) -> None:
 
 def test_minds_act_with_their_own_copies(mind: FaceMind) -> None:
     """Two minds of one body: the first for the first copies."""
-    other = grown(300, seed=5)
+    other = grown(300, seed=5, noise=1.0)
     wanted, moved = targets(mind)
     both = np.concatenate([wanted, wanted])
     done = tries(Mouth(14), [mind, other], both, np.concatenate([moved, moved]), 2)
