@@ -15,7 +15,7 @@ from experiments.objects.showing import Seen
 from experiments.shared.playing import SEEING_M
 from imitation.acting.primitives import NAMES
 from imitation.inference.meaning import Presentation
-from imitation.seeing.likeness import like_me, residuals
+from imitation.seeing.somebody import like_me, residuals
 from models.objects import TOYS
 from models.objects.states import STATES
 

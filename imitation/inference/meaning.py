@@ -9,7 +9,7 @@ whether it was done again at once, r:
 
 with P(a | g) by Eq. (1): what one would do oneself to bring g about, were one in the other's place. A thing mostly does
 one and the same, whatever it is; somebody goes on until the goal is reached, or gives up. P(somebody) from how it looks
-(`imitation.seeing.likeness`) and P(g) from one's own play are the priors; the two explanations share one evidence.
+(`imitation.seeing.somebody`) and P(g) from one's own play are the priors; the two explanations share one evidence.
 """
 
 from collections.abc import Sequence

@@ -17,7 +17,7 @@ from imitation.errors import ImitationError
 from imitation.seeing.face_fit import Seen
 from imitation.seeing.face_template import POSE
 
-WIDTHS: Final = (2.0, 4.0, 8.0, 16.0, 32.0)
+WIDTHS: Final = (0.25, 0.5, 1.0, 2.0, 4.0)
 RIDGES: Final = (1e-4, 1e-3, 1e-2, 1e-1)
 FEWEST: Final = 20
 """Looks into the mirror."""
@@ -80,7 +80,7 @@ class Mirrored:
 
 def _kernel(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
     apart = ((a[:, None] - b[None]) ** 2).mean(-1)
-    return np.asarray(np.exp(-apart / (2 * (width / 8) ** 2)))
+    return np.asarray(np.exp(-apart / (2 * width**2)))
 
 
 def _flat(values: ArrayLike) -> FloatArray:

@@ -49,7 +49,7 @@ def test_relations_are_what_they_are_said_to_be() -> None:
     found = dict(zip(RELATIONS, by_senses(joints).T, strict=True))
     np.testing.assert_allclose(found["gap"], 2 * JAW * np.sin((jaw - PARTED) / 2))
     np.testing.assert_allclose(found["beyond"], (slide - MET) / MOUTH_M - LIP)
-    np.testing.assert_allclose(found["side"], TONGUE * np.sin(yaw))
+    np.testing.assert_allclose(found["side"], TONGUE * np.sin(yaw) * np.cos(pitch))
     np.testing.assert_allclose(found["up"], TONGUE * np.sin(pitch))
     np.testing.assert_allclose(found["purse"], FORWARD * lips / MOUTH_M)
     np.testing.assert_allclose(found["brow"], brows / MOUTH_M)
@@ -73,15 +73,14 @@ def test_landmarks_are_medians_of_what_touched() -> None:
     senses[4:7, 4] = 0.001  # pushed forward
     assert Landmarks.felt(senses).met == pytest.approx(0.006 - FORWARD * 0.001)
     bent = senses.copy()
-    bent[5, 2] = 0.4
+    bent[4:7, 2] = 0.4
     with pytest.raises(BabblingError, match="the tongue was never felt to meet the lips from inside"):
         Landmarks.felt(bent)
-    senses[1, LIPS] = 0
+    senses[:, LIPS] = 0
     with pytest.raises(BabblingError, match="the lips were never felt to touch: babble longer"):
         Landmarks.felt(senses)
 
 
-@pytest.mark.xfail(strict=True, reason="a tongue that touches the palate alone is taken for one that met the lips")
 def test_a_tongue_against_the_palate_has_not_met_the_lips() -> None:
     senses = np.zeros((12, 21))
     senses[:8, LIPS] = 0.2
@@ -105,9 +104,10 @@ def test_a_third_moves_one_motor_a_third_one_and_the_mouth_s_a_third_all(clean: 
         assert moved[third : 2 * third, opener].all() and (moved[third : 2 * third].sum(1) <= 2).all()
         np.testing.assert_array_equal(moved[third : 2 * third].sum(0)[np.arange(8) != opener], third / 8)
         assert moved[2 * third :].all()
-        later = acts.commands[third:][moved[third:]]
-        low, high = (np.broadcast_to(end, acts.commands.shape)[third:][moved[third:]] for end in acts.reach)
-        assert ((low <= later) & (later <= high)).all(), "only what makes a difference"
+        later = acts.commands[2 * third :]
+        assert ((acts.reach[0] <= later) & (later <= acts.reach[1])).all(), "only what makes a difference"
+        opening = acts.commands[third : 2 * third, opener]
+        assert (acts.reach[0, opener] <= opening.min()) and (opening.max() <= acts.reach[1, opener])
         assert np.ptp(acts.commands[:third], axis=0).min() > 1.4, "of which nothing is known at first"
         assert len(acts.nothing) == STILL_ACTS and (acts.nothing[:, :8] == acts.nothing[0, :8]).all()
 
@@ -125,7 +125,6 @@ def test_reach_brackets_what_a_motor_can_do(noise: str, request: pytest.FixtureR
         assert np.abs(acts.reach).max() <= 1
 
 
-@pytest.mark.xfail(strict=True, reason="the tongue's reach is taken with the mouth shut, where lips stop it early")
 def test_a_tongue_s_reach_is_not_that_behind_shut_lips(noisy: list[Acts]) -> None:
     body = Mouth()
     tongue = body.motor[1]

@@ -301,7 +301,6 @@ def test_an_end_of_which_a_bit_is_left_is_not_told_at_the_border() -> None:
     assert np.isnan(found[15]) and found[17] == pytest.approx(67.4, abs=0.1)
 
 
-@pytest.mark.xfail(strict=True, reason="the covered share is of all columns to the image's border, not of the lip's")
 def test_an_end_of_which_a_bit_is_left_is_not_told_either() -> None:
     found = numbers(coverage(painted([*EYES, *BROWS, *MOUTH, ("tongue", (69.0, 64.5, 4.5))])))
     assert np.isnan(found[15]) and found[17] == pytest.approx(67.4, abs=0.1)

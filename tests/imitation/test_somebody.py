@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from babbling.body_image import Image, PartImage
-from imitation.seeing.likeness import MISSING_MINE, MISSING_THING, TEMPER, like_me, residuals
+from imitation.seeing.somebody import MISSING_MINE, MISSING_THING, TEMPER, like_me, residuals
 
 RNG = np.random.default_rng(0)
 TRUNK, ARM = 0.2, 0.15
