@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import FloatArray
 from imitation.errors import ImitationError
 from imitation.seeing.face_marks import NUMBERS, POINTS, coverage, numbers
-from imitation.seeing.face_template import MOVING, POSE, REST, SHAPE, SPREAD, appear
+from imitation.seeing.face_template import APART_M, MOVING, POSE, REST, SHAPE, SPREAD, appear
 
 SIGMA_PX: Final = 0.2
 """How far a number on an image is off, the template's own faults included."""
@@ -44,7 +44,12 @@ STARTS, APART, FAR, POOR = 3, 0.15, 30.0, 1.5
 """Places to start from, how far from each other, and standard deviations: as far as an error counts in choosing them,
 and from which on a fit is tried from another one."""
 STEP: Final = 1e-3
-RELATIONS: Final = (*MOVING, "turn", "nod")
+SCALE: Final = np.r_[np.full(POSE, 0.02), np.full(len(MOVING), 0.1)]
+"""How far a step of the fit goes in each number."""
+ROBUST, ROUNDS = 3.0, 25
+"""Standard deviations from which on an error counts less; steps at most."""
+ENOUGH: Final = 20
+"""Of 36 numbers of both eyes, so many make a face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,7 @@ class Seen:
     """Relations that were seen: a Gaussian likelihood, without any prior."""
 
     relations: FloatArray
-    """(8,) `RELATIONS` that explain the look best."""
+    """(8,) `babbling.relations.RELATIONS` that explain the look best."""
     information: FloatArray
     """(8, 8) inverse covariance; nothing about what is hidden."""
     tongue: bool
@@ -92,11 +97,11 @@ def acquaint(looks: FloatArray, focal_px: float) -> Acquainted:
     there = np.isfinite(looks)
     seen = np.where(there, looks, 0).sum(0) / np.where(there.any(0), there.sum(0), np.nan)
     there = np.isfinite(seen[:, : 2 * len(POINTS) - 2])
-    if there.sum() < 20:
+    if there.sum() < ENOUGH:
         raise ImitationError("no face is seen: eyes, nose and mouth are needed, in both eyes")
     average = np.array(list(SHAPE.values()))
     apart = max(float(np.nanmean(seen[0, :8:2] - seen[1, :8:2])), 1.0)
-    ahead = 0.036 * focal_px / apart
+    ahead = APART_M * focal_px / apart
     start = np.r_[0, 0, 0, ahead, 0, -float(np.nanmean(seen[:, 1:6:2])) * ahead / focal_px, np.ones(len(average))]
 
     def missed(x: FloatArray) -> FloatArray:
@@ -109,22 +114,13 @@ def acquaint(looks: FloatArray, focal_px: float) -> Acquainted:
     return Acquainted(x[POSE:] * average, x[:POSE], focal_px)
 
 
-def see(face: Acquainted, look: FloatArray, free: BoolArray | None = None) -> Seen:
-    """What a face does on one (2, NUMBERS) look.
-
-    Args:
-        face: whose it is.
-        look: see `look_at`.
-        free: (8,) which `RELATIONS` may differ from rest; None is all of them.
-    """
+def see(face: Acquainted, look: FloatArray) -> Seen:
+    """What a face does on one (2, NUMBERS) look; see `look_at`."""
     tongue = bool((look[:, -1] > GLIMPSE * face.shape[0] / face.pose[3] * face.focal_px).all())
-    may = np.ones(POSE + len(MOVING), bool)
-    if free is not None:
-        may[POSE:] = free[: len(MOVING)]
-    fit = _Fit(face, look, may, tongue=False)
+    fit = _Fit(face, look, tongue=False)
     dark = found = fit.solved(fit.begun(USUAL, {GAP: OPEN})[0])
-    if tongue and may[TIP]:
-        lit = _Fit(face, look, may, tongue=True)
+    if tongue:
+        lit = _Fit(face, look, tongue=True)
         starts = lit.begun(found, {GAP: found[GAP] + ABOUT, TIP: BEYOND, TIP + 1: SIDE})
         found = lit.solved(starts[0])
         for start in starts[1:]:
@@ -137,8 +133,8 @@ def see(face: Acquainted, look: FloatArray, free: BoolArray | None = None) -> Se
 class _Fit:
     """One look, explained."""
 
-    def __init__(self, face: Acquainted, look: FloatArray, may: BoolArray, tongue: bool) -> None:
-        self.face, self.look, self.may, self.tongue = face, look, may, tongue
+    def __init__(self, face: Acquainted, look: FloatArray, tongue: bool) -> None:
+        self.face, self.look, self.tongue = face, look, tongue
         self.there = np.isfinite(look)
         if not tongue:
             self.there[:, 2 * len(POINTS) - 2 :] = False
@@ -172,42 +168,30 @@ class _Fit:
     def solved(self, start: FloatArray) -> FloatArray:
         """(12,) the look that explains it best."""
 
-        def whole(x: FloatArray) -> FloatArray:
-            looks = np.tile(USUAL, (len(x), 1))
-            looks[:, self.may] = x
-            return looks
-
         def missed(x: FloatArray) -> FloatArray:
-            return np.asarray(np.r_[self.off(whole(x[None]))[0], (x - USUAL[self.may]) / DOUBT[self.may]])
+            return np.asarray(np.r_[self.off(x[None])[0], (x - USUAL) / DOUBT])
 
         def slope(x: FloatArray) -> FloatArray:
-            sides = self.off(whole(np.vstack([x, x + STEP * np.eye(len(x))])))
-            return np.vstack([(sides[1:] - sides[0]).T / STEP, np.diag(1 / DOUBT[self.may])])
+            sides = self.off(np.vstack([x, x + STEP * np.eye(len(x))]))
+            return np.vstack([(sides[1:] - sides[0]).T / STEP, np.diag(1 / DOUBT)])
 
-        scale = np.r_[np.full(POSE, 0.02), np.full(len(MOVING), 0.1)][self.may]
-        x = least_squares(missed, start[self.may], slope, x_scale=scale, loss="soft_l1", f_scale=3.0, max_nfev=25).x
-        found = whole(x[None])[0]
-        found[POSE:] = np.clip(found[POSE:], LEAST, MOST)
-        return np.asarray(found)
+        x = least_squares(missed, start, slope, x_scale=SCALE, loss="soft_l1", f_scale=ROBUST, max_nfev=ROUNDS).x
+        return np.asarray(np.r_[x[:POSE], np.clip(x[POSE:], LEAST, MOST)])
 
     def seen(self, found: FloatArray) -> Seen:
         """As relations; what is unexplained makes all of it less sure."""
-        rows = np.eye(len(found))[self.may]
+        rows = np.eye(len(found))
         sides = self.off(np.vstack([found + STEP * rows, found - STEP * rows]))
         slope = np.asarray((sides[: len(rows)] - sides[len(rows) :]).T / (2 * STEP))
         misses = self.misses(found)
         information = slope.T @ slope / max(misses, 1.0) ** 2
-        return Seen(*_relations(found, information, self.may), self.tongue, misses, found)
+        return Seen(*_relations(found, information), self.tongue, misses, found)
 
 
-def _relations(found: FloatArray, information: FloatArray, may: BoolArray) -> tuple[FloatArray, FloatArray]:
+def _relations(found: FloatArray, information: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(8,) relations and their (8, 8) information, the rest of the pose integrated out."""
-    whole = np.zeros((len(may), len(may)))
-    whole[np.ix_(may, may)] = information
-    keep, lose = np.r_[np.arange(POSE, len(may)), 0, 1], np.arange(2, POSE)
+    keep, lose = np.r_[np.arange(POSE, len(found)), 0, 1], np.arange(2, POSE)
     unit = np.r_[np.ones(len(MOVING)), np.full(2, np.pi / 2)]
-    cross = whole[np.ix_(keep, lose)]
-    inner = whole[np.ix_(keep, keep)] - cross @ np.linalg.solve(
-        whole[np.ix_(lose, lose)] + np.diag(1 / DOUBT[lose] ** 2), cross.T
-    )
+    cross, rest = information[np.ix_(keep, lose)], information[np.ix_(lose, lose)]
+    inner = information[np.ix_(keep, keep)] - cross @ np.linalg.solve(rest + np.diag(1 / DOUBT[lose] ** 2), cross.T)
     return found[keep] / unit, inner * np.outer(unit, unit)

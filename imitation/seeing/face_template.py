@@ -13,11 +13,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from babbling.axes import FloatArray
+from babbling.relations import RELATIONS
 from imitation.seeing.face_marks import NUMBERS
 
 APART_M: Final = 0.036
 """Between one's own eyes."""
-MOVING: Final = ("gap", "beyond", "side", "up", "purse", "brow")
+MOVING: Final = RELATIONS[:6]
 """Relations that the template moves by, besides its pose; turn and nod are how the pose differs from the usual one."""
 POSE: Final = 6
 """Numbers of a pose. At rest: a rotation vector, none for a face that looks at one, and a place before the eyes, m; of

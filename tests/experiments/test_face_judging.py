@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from babbling.relations import RELATIONS
 from experiments.face.judging import MAIN, ORGAN_SHOWN, ORGANS, RANGE, labels, largest_change, organs
-from experiments.face.showing import HOLD_S, SHOWN, SIDED, SLIDES, Shown, drawn, performed, still, truth
+from experiments.face.showing import HOLD_S, SHOWN, SIDED, Shown, drawn, performed, still, truth
 from experiments.face.theories import GESTURES, LABELS
 from imitation.correspondence.own_acts import OwnActs
 from models.body import resting
-from models.face import FACES, JOINTS, Face
+from models.face import FACES, JOINTS, SLIDES, Face, relations
 from models.face.body import face_model
 from tests.babbling.mouth import Mouth, grown
 
@@ -212,3 +212,7 @@ def test_acts_are_performed_side_by_side_and_seen_through_to_their_end() -> None
     assert (gone[5] < 1).all() and (gone[3] > 0.05).all(), "they take their time"
     np.testing.assert_array_equal(performed(face, shown[1:])[-1, 0], performed(face, shown)[-1, 1])
     assert np.abs(truth(face).of(still(face))[[0, 2, 3, 4, 5, 6, 7]]).max() < 5e-3
+
+
+def test_body_and_mind_speak_of_the_same_relations() -> None:
+    assert RELATIONS == relations.RELATIONS

@@ -193,14 +193,6 @@ def test_further_away_less_is_seen_and_what_is_seen_together_only_is_said_so() -
     assert min(together) > 0.35
 
 
-def test_what_is_not_free_stays_at_rest() -> None:
-    free = np.array([1, 0, 0, 0, 0, 0, 1, 1], bool)
-    found = see(KNOWN, shown(moved(gap=0.4, brow=0.1, beyond=0.3)), free)
-    np.testing.assert_array_equal(found.relations[1:6], STILL[1:])
-    assert (found.information[1:6] == 0).all() and found.misses > 2
-    assert found.relations[0] == pytest.approx(0.4, abs=0.05)
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_proportions_and_pose_of_another_face_are_found(seed: int) -> None:
     """From eyes, nose, brows and lips of several looks; how wide a tongue is stays open while it is hidden."""
