@@ -101,7 +101,7 @@ def _stop(spec: mujoco.MjSpec) -> None:
     jaw.range = (jaw.range[0], HELD * unit)
     head, capsule = spec.body("head"), mujoco.mjtGeom.mjGEOM_CAPSULE
     touch = {"contype": 7, "conaffinity": 7, "mass": 0.0, "friction": (0.02, 0.005, 0.0001), "solref": (0.006, 1.0)}
-    box, ball, look = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE, {"contype": 8, "conaffinity": 0}
+    box, ball, look = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_SPHERE, {"contype": 0, "conaffinity": 0}
     teat = (0.052, 0, -0.031, 0.042, 0, -0.033)
     head.add_geom(name="teat", type=capsule, size=(0.004, 0, 0), fromto=teat, rgba=_AMBER, **touch)
     head.add_geom(name="shield", type=box, size=(0.0015, 0.02, 0.02), pos=(0.0595, 0, -0.036), rgba=_BLUE, **touch)
