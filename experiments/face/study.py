@@ -90,8 +90,9 @@ class Studied:
 def studied(config: Config) -> Studied:
     """All of it."""
     began = time.perf_counter()
-    face, numbers = face_of(config.face), range(config.infants // TOGETHER)
-    groups = [Group(face, n, TOGETHER, config.acts, config.seed, config.scramble) for n in numbers]
+    face, starts = face_of(config.face), range(0, config.infants, TOGETHER)
+    sizes = [min(TOGETHER, config.infants - start) for start in starts]
+    groups = [Group(face, n, size, config.acts, config.seed, config.scramble) for n, size in enumerate(sizes)]
     worn = [replace(groups[0], face=FACES["newborn-worn"], number=1000 + n) for n in range(WORN_GROUPS)]
     scrambled = replace(groups[0], number=2000, acts=SCRAMBLED_ACTS, scramble=config.seed + 1)
     *nurseries, shuffled = in_parallel(raised, [*groups, *worn, scrambled], config.workers, "babbling in the dark")
@@ -109,7 +110,7 @@ def studied(config: Config) -> Studied:
     own = answers[: len(groups)]
     fresh = {name: together([each.answers[name] for each in own]) for name in VIEWS}
     infants = judged([infant for each in nurseries[: len(groups)] for infant in each], fresh["usual"])
-    sizes = [n for n in NS if n <= config.infants]
+    samples = [n for n in NS if n <= config.infants]
     found = joint_of_motor(scrambled.body(1))[np.stack([infant.mind.motors for infant in shuffled])]
     return Studied(
         config=config,
@@ -121,7 +122,7 @@ def studied(config: Config) -> Studied:
         course=_course(groups[0], those, bank),
         motors_right=float((found == np.arange(found.shape[1])).mean()),
         mirrored=mirrored,
-        powers=power(infants, ns=sizes, rng=np.random.default_rng([config.seed, 0x90E4])),
+        powers=power(infants, ns=samples, rng=np.random.default_rng([config.seed, 0x90E4])),
         infants=infants,
         took_s=time.perf_counter() - began,
     )

@@ -49,8 +49,9 @@ def face_spec(face: Face, *, pacifier: bool = False) -> mujoco.MjSpec:
 @lru_cache(maxsize=16)
 def face_model(face: Face, *, pacifier: bool = False) -> mujoco.MjModel:
     """Compiled; see `face_spec`."""
+    spec = face_spec(face, pacifier=pacifier)
     try:
-        return face_spec(face, pacifier=pacifier).compile()
+        return spec.compile()
     except ValueError as error:
         raise BodyError(f"{face.path}: MuJoCo cannot compile it ({' '.join(str(error).split())})") from error
 
