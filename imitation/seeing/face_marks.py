@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from babbling.axes import BoolArray, FloatArray
-from imitation.seeing.features import COLOURS
+from imitation.seeing.features import COLOURS, OPPONENT
 
 POINTS: Final = (
     "left iris", "right iris", "nose", "left brow", "right brow", "upper left lip", "upper right lip", "lower left lip",
@@ -32,8 +32,7 @@ COVERED: Final = 0.3
 OUTER: Final = 0.55, 1.15
 """Of the distance between the upper quarters' middles: from there on, and to there, the lower lip is looked at."""
 IRIS, NOSE, BROW, LIP, TONGUE = range(5)
-_OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])
-_HUES = np.array([COLOURS[name] for name in ("blue", "orange", "violet", "magenta", "red")]) @ _OPPONENT
+_HUES = np.array([COLOURS[name] for name in ("blue", "orange", "violet", "magenta", "red")]) @ OPPONENT
 _HUES /= np.linalg.norm(_HUES, axis=1)[:, None]
 
 
@@ -43,7 +42,7 @@ def coverage(image: NDArray[np.uint8]) -> FloatArray:
     A pixel belongs to the nearest of the five hues; how much of it is covered is its opponent length over the largest
     beside it: inside a patch all, whatever the light.
     """
-    colour = image @ _OPPONENT
+    colour = image @ OPPONENT
     along = colour @ _HUES.T
     length = np.linalg.norm(colour, axis=-1)
     nearest = along.argmax(-1)

@@ -42,11 +42,12 @@ COLOURS: Mapping[str, Colour] = MappingProxyType(
 )
 """Colour categories a retina can be born with: hues at least 25 degrees apart on the opponent circle."""
 
-_OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])  # (3, 2), orthonormal columns
+OPPONENT = np.array([[1.0, -1.0, 0.0], [1.0, 1.0, -2.0]]).T / np.sqrt([2.0, 6.0])
+"""(3, 2) red, green, blue to colour without brightness; orthonormal columns."""
 MARGIN = 3  # pixels of ground around a thing
 
 _LABELS = tuple(COLOURS)
-_HUES = np.array(list(COLOURS.values())) @ _OPPONENT
+_HUES = np.array(list(COLOURS.values())) @ OPPONENT
 _HUES /= np.linalg.norm(_HUES, axis=1)[:, None]
 """Unit opponent vectors (colours, 2)."""
 _GREY = np.full(3, 1.0 / 3.0)
@@ -89,7 +90,7 @@ def find_features(image: npt.NDArray[np.uint8], least_area: float = LEAST_AREA) 
     rows, columns = np.nonzero(spread > LEAST_COLOUR)  # at least sqrt(3/2) times the opponent length
     if not rows.size:
         return ()
-    colour = image[rows, columns] @ _OPPONENT
+    colour = image[rows, columns] @ OPPONENT
     length = np.hypot(colour[:, 0], colour[:, 1])
     cosine = colour @ _HUES.T / length[:, None]  # (pixels, colours)
     nearest = cosine.argmax(axis=1)
@@ -135,7 +136,7 @@ def _measure(
     Coverage a of a pixel from its brightness I and its opponent length s along the hue: the thing alone has I = rho s
     whatever its shading, so I - rho s = (1 - a) I_ground is what the ground behind it adds.
     """
-    colour = image @ _OPPONENT
+    colour = image @ OPPONENT
     length = colour @ hue
     if others.any():
         beside = others & ndimage.binary_dilation(mask, _AROUND, iterations=2)
