@@ -30,6 +30,8 @@ F, how far lips go forward for all that they go."""
 LIPS, TIP = slice(16, 20), 20
 """Senses of touch, after those of eight joints and their speeds: upper and lower lip, left and right; tongue."""
 TOUCHED_N: Final = 0.01
+STRAIGHT: Final = 0.25
+"""rad up to which a tongue is not bent."""
 SHUT: Final = 0.05
 """rad beyond which, from where lips part, the tongue may already pass."""
 
@@ -45,10 +47,11 @@ class Landmarks:
 
     @classmethod
     def felt(cls, senses: FloatArray) -> "Landmarks":
-        """Out of the (N, S) senses at the ends of acts.
+        """Out of the (N, S) senses at the ends of acts. For a tongue that never met the lips: as far as ever it came
+        behind them.
 
         Raises:
-            BabblingError: no act showed where lips part, or where the tongue meets them.
+            BabblingError: the lips never touched.
         """
         lips = (senses[:, LIPS] > TOUCHED_N).any(1)
         tongue = senses[:, TIP] > TOUCHED_N
@@ -56,10 +59,10 @@ class Landmarks:
         if not shut.any():
             raise BabblingError("the lips were never felt to touch: babble longer")
         parted = float(np.median(senses[shut, 0]))
-        inside = tongue & lips & (senses[:, 0] < parted + SHUT) & (np.abs(senses[:, 2:4]) < 0.25).all(1)
-        if not inside.any():
-            raise BabblingError("the tongue was never felt to meet the lips from inside: babble longer")
-        return cls(parted, float(np.median((senses[:, 1] - FORWARD * senses[:, 4])[inside])))  # it pushes them
+        behind = senses[:, 0] < parted + SHUT
+        met = tongue & lips & behind & (np.abs(senses[:, 2:4]) < STRAIGHT).all(1)
+        slide = senses[:, 1] - FORWARD * senses[:, 4]  # it pushes them
+        return cls(parted, float(np.median(slide[met]) if met.any() else slide[behind].max()))
 
     def relations(self, senses: FloatArray) -> FloatArray:
         """(..., 8) `RELATIONS` of (..., S) senses."""

@@ -72,10 +72,8 @@ def metrics(found: Studied) -> dict[str, Any]:
         "match_error_share_by_gesture": {
             name: np.median(usual.missed[usual.gesture == number], 0) for number, name in enumerate(GESTURES)
         },
-        "tongue_error_mm": {f"{metres:g}": tongue_mm(usual, metres, usual.front) for metres in (0.3, 0.45, 0.6)},
-        "tongue_error_mm_turned_10_deg": {
-            f"{metres:g}": tongue_mm(usual, metres, ~usual.front) for metres in (0.3, 0.6)
-        },
+        "tongue_error_mm": tongue_mm(usual, usual.front),
+        "tongue_error_mm_turned_10_deg": tongue_mm(usual, ~usual.front),
         "tries_median": float(np.median(tries_until(usual.missed))),
         "tries_median_worn": float(np.median(tries_until(found.worn.missed))),
         "proportions": told["strong_accuracy_other_proportions"],
@@ -117,10 +115,11 @@ def tries_until(missed: FloatArray) -> FloatArray:
     return np.asarray(np.where(near.any(-1), near.argmax(-1) + 1, missed.shape[-1] + 1))
 
 
-def tongue_mm(answers: Answers, metres: float, keep: BoolArray) -> FloatArray:
-    """(K,) median over strong tongues out, seen from so far."""
-    keep = keep & (answers.gesture == 0) & answers.strong & (np.abs(answers.metres - metres) < 0.01)
-    return np.asarray(np.median(answers.tongue_mm[keep], 0))
+def tongue_mm(answers: Answers, keep: BoolArray) -> dict[str, FloatArray]:
+    """Metres -> (K,) median over strong tongues out that were seen from so far."""
+    keep = keep & (answers.gesture == 0) & answers.strong
+    metres = np.unique(answers.metres[keep])
+    return {f"{far:g}": np.median(answers.tongue_mm[keep & (answers.metres == far)], 0) for far in metres}
 
 
 def habits(found: Studied) -> FloatArray:

@@ -74,8 +74,7 @@ def test_landmarks_are_medians_of_what_touched() -> None:
     assert Landmarks.felt(senses).met == pytest.approx(0.006 - FORWARD * 0.001)
     bent = senses.copy()
     bent[4:7, 2] = 0.4
-    with pytest.raises(BabblingError, match="the tongue was never felt to meet the lips from inside"):
-        Landmarks.felt(bent)
+    assert Landmarks.felt(bent).met == pytest.approx(0.008 - FORWARD * 0.001), "as far as ever it came behind them"
     senses[:, LIPS] = 0
     with pytest.raises(BabblingError, match="the lips were never felt to touch: babble longer"):
         Landmarks.felt(senses)
