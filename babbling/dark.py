@@ -95,26 +95,22 @@ def babble(
     level = np.stack([rng.random((acts, motors)) for rng in rngs], 1)
     commands, senses = np.empty((acts, copies, motors)), np.empty((acts, copies, len(body.sense_low)))
     nothing = np.empty((STILL_ACTS, copies, len(body.sense_low)))
-    low, high = (np.tile(end, (copies, 1)) for end in (body.motor_low, body.motor_high))
+    ends = np.stack([np.tile(end, (copies, 1)) for end in (body.motor_low, body.motor_high)])
     everyone = np.arange(copies)
     body.reset()
     for act in range(STILL_ACTS):
         nothing[act] = body.act(np.tile(rest, (copies, 1)))
     for act in range(acts):
         if act in (third, 2 * third):  # first the opener's own reach; then, with the mouth open, that of all others
-            reach = [
-                _reach(order[:, c], commands[act - third : act, c], senses[act - third : act, c]) for c in everyone
-            ]
+            last = slice(act - third, act)
+            reach = np.stack([_reach(order[:, c], commands[last, c], senses[last, c]) for c in everyone], 1)
         if act == third:
             opener = _opener(order, senses[:third])
-            for c, motor in enumerate(opener):
-                low[c, motor], high[c, motor] = reach[c][:, motor]
+            ends[:, everyone, opener] = reach[:, everyone, opener]
         if act == 2 * third:
-            kept = [np.stack([low[c, motor], high[c, motor]]) for c, motor in enumerate(opener)]
-            low, high = np.stack(reach, 1)
-            for c, motor in enumerate(opener):
-                low[c, motor], high[c, motor] = kept[c]
-        command, chosen = np.tile(rest, (copies, 1)), low + level[act] * (high - low)
+            reach[:, everyone, opener] = ends[:, everyone, opener]
+            ends = reach
+        command, chosen = np.tile(rest, (copies, 1)), ends[0] + level[act] * (ends[1] - ends[0])
         if act < 2 * third:
             mover = order[act % third]
             command[everyone, mover] = chosen[everyone, mover]
@@ -124,7 +120,7 @@ def babble(
             command = chosen
         commands[act], senses[act] = command, body.act(command)
         heed(act)
-    return [Acts(commands[:, c], senses[:, c], nothing[:, c], rest, np.stack([low[c], high[c]])) for c in everyone]
+    return [Acts(commands[:, c], senses[:, c], nothing[:, c], rest, ends[:, c]) for c in everyone]
 
 
 def learn(acts: Acts, fingerprint: str) -> FaceMind:

@@ -89,9 +89,8 @@ def answered(
     for infant, mine in zip(infants, looks, strict=True):
         acts = OwnActs(infant.mind)
         for look in mine:
-            seen = look.seen[-1]
+            seen, relations = look.seen[-1], comparable(infant.mind, look.seen[-1], look.neutral)
             memory, probability = understood(acts, seen, look.neutral)
-            relations = comparable(infant.mind, seen, look.neutral)
             apart = acts.posterior(relations, np.diag(np.diag(seen.information)), seen.tongue).probability
             memories.append(memory)
             beliefs.append(organs(acts, probability, joints))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from experiments.face.power_figure import power_figure
 from experiments.face.study import Studied
-from experiments.face.theories import GESTURES
+from experiments.face.theories import GESTURES, LABELS, SAID
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 LEAST = 0.004
@@ -50,17 +50,16 @@ def imitated(m: dict[str, Any]) -> Figure:
 
 def matrix(axes: Axes, m: dict[str, Any]) -> None:
     """Shown by done, strong above weak in every cell."""
-    names = (*GESTURES, "nothing")
     strong, weak = (
-        np.array([[m[key][row][col] for col in names] for row in GESTURES]) for key in ("confusion", "confusion_weak")
+        np.array([[m[key][row][col] for col in SAID] for row in GESTURES]) for key in ("confusion", "confusion_weak")
     )
     axes.imshow((strong + weak) / 2, cmap="Greys", vmin=0, vmax=1.4)
     for i in range(len(GESTURES)):
-        for j in range(len(names)):
+        for j in range(LABELS):
             if strong[i, j] + weak[i, j] > LEAST:
                 both = f"{100 * strong[i, j]:.0f}\n{100 * weak[i, j]:.0f}"
                 axes.text(j, i, both, ha="center", va="center", fontsize=8, color=OURS if i == j else DARK)
-    axes.set_xticks(range(len(names)), [name.replace(" ", "\n") for name in names], fontsize=7)
+    axes.set_xticks(range(LABELS), [name.replace(" ", "\n") for name in SAID], fontsize=7)
     axes.set_yticks(range(len(GESTURES)), GESTURES, fontsize=8)
     axes.set(xlabel="done", ylabel="shown")
     axes.spines[:].set_color(PLAIN)

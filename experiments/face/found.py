@@ -8,7 +8,7 @@ from babbling.axes import BoolArray, FloatArray
 from experiments.face.answering import Answers
 from experiments.face.judging import ORGAN_SHOWN
 from experiments.face.study import TRIES, Studied
-from experiments.face.theories import GESTURES, LABELS
+from experiments.face.theories import GESTURES, LABELS, SAID
 from experiments.face.watching import TIMES_S
 from experiments.shared.judging import calibration_error, interval_95
 
@@ -80,7 +80,7 @@ def metrics(found: Studied) -> dict[str, Any]:
         "tilted": told["organ_accuracy_tilted"],
         "passive_face_means_nothing": float(np.mean([each.passive for each in found.pacified])),
         "motors_found_scrambled": found.motors_right,
-        "habit": {name: float(share) for name, share in zip((*GESTURES, "nothing"), habits(found), strict=True)},
+        "habit": {name: float(share) for name, share in zip(SAID, habits(found), strict=True)},
         "organ_over_the_act": course(found),
         "infants": len(found.infants.habit),
         "study_s": found.took_s,
@@ -94,7 +94,7 @@ def confusion(answers: Answers, keep: BoolArray) -> dict[str, dict[str, float]]:
     for number, name in enumerate(GESTURES):
         done = answers.labels[..., -1][keep & (answers.gesture == number)]
         counts = np.bincount(done, minlength=LABELS) / max(len(done), 1)
-        rows[name] = dict(zip((*GESTURES, "nothing"), counts.tolist(), strict=True))
+        rows[name] = dict(zip(SAID, counts.tolist(), strict=True))
     return rows
 
 

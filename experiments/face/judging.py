@@ -1,5 +1,6 @@
 """What a judge sees of a face who is not told what was shown to it: labels, organs, and how well it matched."""
 
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,8 @@ from experiments.face.theories import GESTURES
 from imitation.correspondence.own_acts import OwnActs
 
 ORGANS: Final = ("jaw", "tongue", "lips", "brows", "head")
+WHOSE: Final = (*ORGANS, "nothing")
+"""Whose act it may be; nobody's, last."""
 _OF_JOINT: Final = np.array([0, 1, 1, 1, 2, 3, 4, 4])
 """Organ that each joint of a face belongs to."""
 ORGAN_SHOWN: Final = np.array([1, 1, 0, 2, 3, 4])
@@ -42,13 +45,18 @@ def organs(acts: OwnActs, probability: FloatArray, joints: IntArray) -> FloatArr
         probability: over `acts.acts`.
         joints: (M,) joint that each motor moves.
     """
-    shares = np.zeros((len(acts.acts), len(ORGANS) + 1))
-    for row, one in zip(shares, acts.acts, strict=True):
-        moved = {int(_OF_JOINT[joints[motor]]) for motor in one.motors}
-        moved = moved - {0} or moved
-        for organ in moved or {len(ORGANS)}:
-            row[organ] = 1 / max(len(moved), 1)
-    return np.asarray(probability @ shares)
+    return np.asarray(probability @ _shares(tuple(one.motors for one in acts.acts), tuple(joints.tolist())))
+
+
+@lru_cache(maxsize=64)
+def _shares(sets: tuple[tuple[int, ...], ...], joints: tuple[int, ...]) -> FloatArray:
+    """(H, 6) how much of each set of motors is each organ's."""
+    shares = np.zeros((len(sets), len(WHOSE)))
+    for row, motors in zip(shares, sets, strict=True):
+        moved = {int(_OF_JOINT[joints[motor]]) for motor in motors}
+        moved = moved - {0} or moved or {len(ORGANS)}
+        row[list(moved)] = 1 / len(moved)
+    return shares
 
 
 def largest_change(relations: FloatArray, still: FloatArray) -> IntArray:

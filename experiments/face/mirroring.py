@@ -30,7 +30,6 @@ class Compared(NamedTuple):
 
     condition: tuple[str, ...]
     right: BoolArray
-    strong: BoolArray
 
 
 def before_mirror(body: SimulatedBody, face: Face, mind: FaceMind, seed: int, looks: int = LOOKS) -> Mirrored:
@@ -64,4 +63,4 @@ def compared(task: tuple[Group, Infant, Sequence[Look]]) -> Compared:
         belief = organs(acts, understood(acts, mirror.see(end, passive), neutral)[1], joints)
         right.append(belief.argmax() == ORGAN_SHOWN[look.shown.gesture])
     conditions = tuple(look.looking.condition for look in acted)
-    return Compared(conditions, np.array(right), np.array([look.shown.strong for look in acted]))
+    return Compared(conditions, np.array(right))

@@ -8,15 +8,15 @@ from babbling.dark import FaceMind
 from experiments.face.infants import Group
 from experiments.face.options import Config
 from experiments.face.showing import HOLD_S, Shown, Watcher
-from experiments.face.theories import GESTURES
+from experiments.face.theories import SAID
 from imitation.acting.matching import Tried
 from imitation.deferred import FaceMemory
 from imitation.seeing.face_fit import Seen
 from models.retina import Image
 
-ACT_TICKS: Final = round(HOLD_S / 0.02)
-"""Frames of an act."""
 TICK_S: Final = 0.02
+ACT_TICKS: Final = round(HOLD_S / TICK_S)
+"""Frames of an act."""
 NEUTRAL_TICKS: Final = 5
 """Looks at the face at rest, before it acts."""
 
@@ -30,6 +30,8 @@ class Watched:
     configurations: FloatArray
     """(T, nq) of the adult."""
     images: list[tuple[Image, Image]]
+    numbers: FloatArray
+    """(T, 2, NUMBERS) found on them."""
     seen: list[Seen]
     neutral: FloatArray
     """(8,) relations seen of it when it did nothing."""
@@ -59,4 +61,4 @@ class Done:
 
 def named(label: IntArray | int) -> str:
     """For people."""
-    return (*GESTURES, "nothing")[int(label)]
+    return SAID[int(label)]

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import IntArray
+from babbling.axes import FloatArray, IntArray
 from babbling.dark import FaceMind, babble, learn
 from babbling.files import load, save
 from babbling.relations import MOUTH_M, RELATIONS
 from experiments.face.answering import acted, comparable, understood
 from experiments.face.infants import Group, joint_of_motor, rest_lines
-from experiments.face.judging import MAIN, ORGANS, RANGE, labels, organs
+from experiments.face.judging import MAIN, RANGE, WHOSE, labels, organs
 from experiments.face.later import PASSIVE_ACTS
 from experiments.face.mirroring import before_mirror
 from experiments.face.once import NEUTRAL_TICKS, TICK_S, Done, Watched, named
@@ -56,13 +56,14 @@ def one(config: Config) -> Result:
     if config.pacifier:
         _, hindered = acted(group.body(1, pacifier=True), [mind], [memory], 1)
         stopped = named(labels(hindered[0, 0]))
+        body.reset()
         rng = np.random.default_rng([config.seed, 0x9AC])
         for _ in range(PASSIVE_ACTS):
             command = mind.rest.copy()
             motor = int(rng.choice(mind.motors))
             command[motor] = rng.uniform(body.motor_low[motor], body.motor_high[motor])
             body.act(command[None])
-    tried, true = acted(body, [mind], [memory], config.tries)
+    tried, true = acted(body, [mind], [memory], config.tries, reset=not config.pacifier)
     done = Done(config, group, mind, watched, memory, tried, true[:, 0], stopped)
     metrics = told(done)
     summary = f"# A face\n\n{table(rows(done, metrics))}"
@@ -88,7 +89,7 @@ def watch(config: Config, acts: OwnActs, joints: IntArray, mirror: Mirrored | No
     moving = performed(adult, [shown], TICK_S)[:, 0]
     whole = np.concatenate([np.repeat(still(adult)[None], NEUTRAL_TICKS, 0), moving])
     watcher = Watcher.of(adult, View(config.distance, config.yaw_deg, config.pitch_deg), rng)
-    seen, images = list[Seen](), list[tuple[Image, Image]]()
+    seen, images, found = list[Seen](), list[tuple[Image, Image]](), list[FloatArray]()
     with progress("watching") as report:
         for frame in whole:
             what, numbers, looked = watcher.watch(frame, rng)
@@ -96,12 +97,13 @@ def watch(config: Config, acts: OwnActs, joints: IntArray, mirror: Mirrored | No
                 what = mirror.see(numbers, watcher.passive)
             seen.append(what)
             images.append(looked)
+            found.append(numbers)
             report(len(seen) / len(whole))
     neutral = watcher.neutral if mirror is None else mirror.see(watcher.passive, watcher.passive).relations
     beliefs = [organs(acts, understood(acts, what, neutral)[1], joints) for what in seen]
     relations = np.stack([comparable(acts.mind, what, neutral) for what in seen])
     true = truth(adult).of(whole[-1])
-    return Watched(shown, watcher, whole, images, seen, neutral, relations, np.stack(beliefs), true)
+    return Watched(shown, watcher, whole, images, np.stack(found), seen, neutral, relations, np.stack(beliefs), true)
 
 
 def told(done: Done) -> dict[str, Any]:
@@ -119,7 +121,7 @@ def told(done: Done) -> dict[str, Any]:
         relation = int(MAIN[done.watched.shown.gesture])
         missed = np.abs(done.true - done.watched.true)[:, relation]
         found |= {
-            "organ": dict(zip((*ORGANS, "nothing"), done.watched.organs[-1], strict=True)),
+            "organ": dict(zip(WHOSE, done.watched.organs[-1], strict=True)),
             "shown": dict(zip(RELATIONS, done.watched.true, strict=True)),
             "match_error_share": missed / RANGE[relation],
             "tongue_error_mm": 1e3 * MOUTH_M * np.abs(done.true - done.watched.true)[:, 1],

@@ -9,13 +9,12 @@ import rerun.blueprint as rrb
 
 from babbling.axes import FloatArray
 from babbling.relations import RELATIONS
-from experiments.face.judging import ORGANS
+from experiments.face.judging import WHOSE
 from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_eyes
 from experiments.shared.palette import DEMONSTRATED, IMITATED, INKS, light
 from experiments.shared.recording import log_body, log_series, log_states, recording
-from imitation.seeing.face_fit import look_at
 from imitation.seeing.face_marks import POINTS
 from imitation.seeing.face_template import appear
 from models.face.body import NOISE, face_body
@@ -68,11 +67,10 @@ def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> in
             for look, one in zip(looks, watched.seen, strict=True)
         ]
     )
-    found = np.stack([look_at(images) for images in watched.images])
-    there, thought = ((each[..., :-1].reshape(shape) + centre).swapaxes(1, 2) for each in (found, expected))
+    there, thought = ((each[..., :-1].reshape(shape) + centre).swapaxes(1, 2) for each in (watched.numbers, expected))
     log_eyes(stream, watched.images, TICK_S, there, thought, (1.2, 2.6))
-    colours = [IMITATED, *(light(ink) for ink in list(INKS.values())[: len(ORGANS) - 1]), (150, 150, 150)]
-    for name, colour, belief in zip((*ORGANS, "nothing"), colours, watched.organs.T, strict=True):
+    colours = [IMITATED, *(light(ink) for ink in list(INKS.values())[: len(WHOSE) - 2]), (150, 150, 150)]
+    for name, colour, belief in zip(WHOSE, colours, watched.organs.T, strict=True):
         log_series(stream, f"organ/{name}", np.pad(belief, (0, after), mode="edge"), TICK_S, name, colour)
     _log_relations(stream, "seen", watched.relations, 0)
     quiet = count - ACT_TICKS

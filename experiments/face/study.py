@@ -44,7 +44,6 @@ class Answering(NamedTuple):
     looks: dict[str, list[list[Look]]]
     """Condition -> infant -> looks."""
     passive: list[Look]
-    line: bool
     tries: int
 
 
@@ -68,7 +67,6 @@ class Course(NamedTuple):
 class Studied:
     """Before it is told."""
 
-    config: Config
     fresh: dict[str, Answers]
     """By condition."""
     pacified: list[AfterPacifier]
@@ -113,7 +111,6 @@ def studied(config: Config) -> Studied:
     samples = [n for n in NS if n <= config.infants]
     found = joint_of_motor(scrambled.body(1))[np.stack([infant.mind.motors for infant in shuffled])]
     return Studied(
-        config=config,
         fresh=fresh,
         pacified=[each.pacified for each in own if each.pacified is not None],
         at_once=at_once,
@@ -170,16 +167,14 @@ def _answering(group: Group, infants: list[Infant], bank: Sequence[Look], seed: 
             [of[kind][n] for kind in kinds for n in rng.choice(len(of[kind]), each, replace=False)] for _ in infants
         ]
     passive = [look for look in bank if look.looking.condition == "usual" and look.shown.gesture == len(GESTURES)]
-    return Answering(group, infants, looks, passive, True, WORN_TRIES if usual_only else TRIES)
+    return Answering(group, infants, looks, passive, WORN_TRIES if usual_only else TRIES)
 
 
 def answer(task: Answering) -> Answered:
     """All conditions of one group."""
     answers, pacified = {}, None
     for condition, looks in task.looks.items():
-        answers[condition], memories = answered(
-            task.group, task.infants, looks, task.tries, line=task.line and condition == "usual"
-        )
+        answers[condition], memories = answered(task.group, task.infants, looks, task.tries, line=condition == "usual")
         if condition == "usual" and len(task.looks) > 1:
             pacified = after_pacifier(task.group, task.infants, memories, task.passive, TRIES)
     return Answered(answers, pacified)

@@ -22,7 +22,9 @@ from experiments.errors import ExperimentError
 
 GESTURES: Final = ("tongue out", "tongue to the side", "mouth open", "lips pursed", "brows", "head turn")
 """What is shown, and what a judge may say, by number; one more label is "nothing", which no judge counts."""
-LABELS: Final = len(GESTURES) + 1
+SAID: Final = (*GESTURES, "nothing")
+"""What each label says, in words."""
+LABELS: Final = len(SAID)
 HABIT: Final = len(GESTURES)
 """Row of `Infants.looks` beyond those of the gestures shown."""
 PASSIVE: Final = "passive face"

@@ -36,8 +36,6 @@ LAPSE: Final = 0.02
 """P(it is seen, or not, against that)."""
 CLOUD: Final = 1e-8
 """Share of the likelihood that anything might look like: no hypothesis is ruled out for good."""
-
-
 ALIKE: Final = 0.008
 """How nearly another's relations are seen as they are: what an innate template of the average face misses."""
 OTHERS: Final = 0.02
@@ -155,5 +153,4 @@ def given_still(seen: FloatArray, information: FloatArray, moved: BoolArray, sti
 
 def likeliest(acts: OwnActs, posterior: Posterior) -> tuple[int, ...]:
     """The motors of the most probable hypothesis."""
-    best: IntArray = np.asarray(posterior.probability.argmax())
-    return acts.acts[int(best)].motors
+    return acts.acts[int(posterior.probability.argmax())].motors

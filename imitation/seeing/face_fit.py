@@ -158,7 +158,7 @@ class _Fit:
         starts = []
         for _ in range(STARTS):
             starts.append(looks[cost.argmin()])
-            cost = cost + FAR * len(grid[0]) * 100 * (np.abs(grid - starts[-1][list(places)]).max(1) < APART)
+            cost = np.where(np.abs(grid - starts[-1][list(places)]).max(1) < APART, np.inf, cost)
         return np.stack(starts)
 
     def misses(self, found: FloatArray) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from babbling.axes import FloatArray
-from babbling.relations import RELATIONS
+from babbling.relations import RELATIONS, TONGUE
 from imitation.seeing.face_marks import NUMBERS
 
 APART_M: Final = 0.036
@@ -46,8 +46,8 @@ HINGE: Final = np.array([0.18, 0.0, -0.69])
 """Of the jaw."""
 TONGUE_AHEAD, TONGUE_UP = 1.25, 0.135
 """Middle of the tongue at rest, mouth shut: ahead, and above where the lips meet."""
-TONGUE_LONG, TONGUE_HIGH, TONGUE_FREE, REST = 0.66, 0.23, 0.56, -0.44
-"""Length and height of what is seen of it; from its own hinge to its tip; at rest, its tip from the lower lip's
+TONGUE_LONG, TONGUE_HIGH, TONGUE_ARM, REST = 0.66, 0.23, 0.23, -0.44
+"""Length and height of what is seen of it; from its own hinge to that middle; at rest, its tip from the lower lip's
 front."""
 LIP_DEEP, INWARDS, QUARTER, CLOSING, RECEDES = 0.11, 0.75, 0.22, 0.36, 0.035
 """Half depth of a lip; how far corners come in for each length that lips go forward; middle of what is seen of half a
@@ -105,12 +105,12 @@ def parts(shape: FloatArray, moved: FloatArray) -> Parts:
                 place = np.stack([lip[0] - behind + purse, s * y, (lips + down * thick / 2) * one], -1)
                 into.append(hinged(place) if down < 0 else place)
             axes.append(frame @ turned[number] @ ellipsoid)
-    tilt = np.arcsin(np.clip(up / TONGUE_FREE, -0.9, 0.9))
-    yaw = np.arcsin(np.clip(side / TONGUE_FREE, -0.9, 0.9))
+    tilt = np.arcsin(np.clip(up / TONGUE, -0.9, 0.9))
+    yaw = np.arcsin(np.clip(side / TONGUE, -0.9, 0.9))
     bend = Rotation.from_euler("zy", np.stack([yaw, -tilt], -1)).as_matrix()
     slide = beyond - REST
-    arm = 0.23 * bend[:, :, 0]
-    tongue = np.stack([TONGUE_AHEAD - 0.23 + slide, 0 * one, (lips + TONGUE_UP) * one], -1) + arm
+    arm = TONGUE_ARM * bend[:, :, 0]
+    tongue = np.stack([TONGUE_AHEAD - TONGUE_ARM + slide, 0 * one, (lips + TONGUE_UP) * one], -1) + arm
     long_axes = bend @ np.diag([TONGUE_LONG / 2, wide / 2, TONGUE_HIGH / 2])
     return Parts(
         mouth * np.stack(points, 1),

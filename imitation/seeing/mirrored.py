@@ -26,8 +26,8 @@ FEWEST: Final = 20
 def features(look: FloatArray, neutral: FloatArray) -> FloatArray:
     """(..., D) of (..., 2, NUMBERS) looks and what a face at rest looked like; what is hidden is as at rest."""
     apart = np.nanmean(neutral[:, 0] - neutral[:, 2])
-    there = np.isfinite(np.asarray(look, float)[..., None])[..., 0]
-    tongue = there[..., -1].all(-1)
+    there = np.isfinite(look)
+    tongue = np.asarray(there[..., -1].all(-1))
     change = np.where(there & np.isfinite(neutral), look - neutral, 0.0)
     out = np.where(there[..., 18:], look[..., 18:], 0.0) * tongue[..., None, None]
     return np.asarray(np.concatenate([_flat(change[..., :18]), _flat(out), tongue[..., None] * apart], -1) / apart)
