@@ -5,8 +5,7 @@ servo drives, for every motor its joint's angle (an encoder that counts pulses) 
 and what sensors of the MJCF are asked for by name (touch, gyro, accelerometer ...).
 """
 
-import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import mujoco.batch
@@ -15,12 +14,16 @@ from numpy.typing import NDArray
 
 from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
+from models.fingerprints import fingerprint
 from models.senses import Channel, Senses, sensor_channels
+from models.servos import PULLS, Gains, driven, posed, reach, resting
 from models.wear import Wear, ball_radius
 from models.wiring import Wiring
 
 JAMMED = 1e9
 """Damping of a jammed gear, N m s/rad: 9 N m turn it by less than a pulse of an encoder in an hour."""
+SLIDES_PER_S = 2.0
+"""Ranges of a slide that its motor crosses in a second, about as HOAP-2's turn."""
 EVERY = slice(None)
 
 
@@ -73,22 +76,27 @@ class SimulatedBody:
             )
         self.model = model
         model.dof_frictionloss[:] *= self.wear.friction_factor
-        on_joints = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)  # all but what palms hold with
-        names = [model.joint(j).name or f"joint {j}" for j in model.actuator_trnid[on_joints, 0]]
+        pulls = np.flatnonzero(np.isin(model.actuator_trntype, PULLS))  # all but what palms hold with
+        known = {one.name: one for one in (driven(model, int(i), name) for i in pulls)}
+        names = [*known]
         for motor in motors:
             if motor not in names:
                 raise BodyError(unknown("joint with a motor", motor, names))
         self.joints = tuple(motors or names)
         self._servos = np.array([names.index(joint) for joint in self.joints])
-        joints = model.actuator_trnid[self._servos, 0]
+        self.moved = tuple(known[joint] for joint in self.joints)
+        self.units = tuple(one.unit for one in self.moved)
+        joints = [one.joints[0] for one in self.moved]
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
-        self.joint_range: FloatArray = model.jnt_range[joints].copy()
+        self._tendons = [(m, [*one.joints], [*one.shares]) for m, one in enumerate(self.moved) if len(one.joints) > 1]
+        self.joint_range: FloatArray = np.array([reach(model, one) for one in self.moved])
         control: FloatArray = model.actuator_ctrlrange[self._servos]
         self._low, self._high = control.T.copy()
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
         self._key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
         low, high = self.joint_range.T
-        speed, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
+        turns, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
+        speed = np.where([unit == "m" for unit in self.units], SLIDES_PER_S * (high - low), turns)
         self._sensors = sensor_channels(model, sensors)
         self._stage = int(mujoco.mjtStage.mjSTAGE_ACC if self._sensors else mujoco.mjtStage.mjSTAGE_NONE)
         channels = (
@@ -111,7 +119,9 @@ class SimulatedBody:
         self._seed = seed
         self.reseed(0)
         self.time = 0.0
-        self.fingerprint = _fingerprint(model, self.wear, self.wiring, tick_s, (*motors, *sensors))
+        self.fingerprint = fingerprint(model, self.wear, self.wiring, tick_s, (*motors, *sensors))
+        self.given: Mapping[str, Gains] = {}
+        """Servos that its file did not give it, by joint; see `models.servos`."""
         self.reset()
 
     @property
@@ -220,13 +230,17 @@ class SimulatedBody:
     @property
     def joint_angles(self) -> FloatArray:
         """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
-        return np.asarray(self.batch.qpos[:, self._qpos])
+        return self._moved(self.batch.qpos, self._qpos, self.model.jnt_qposadr)
+
+    def _moved(self, of: FloatArray, firsts: IntArray, places: IntArray) -> FloatArray:
+        found: FloatArray = of[:, firsts]
+        for m, joints, shares in self._tendons:
+            found[:, m] = of[:, places[joints]] @ shares
+        return found
 
     def configurations(self, angles: FloatArray) -> FloatArray:
         """(T, nq) configurations of the model with these (T, M) joint angles, all else at rest: to draw it."""
-        configurations = np.tile(resting(self.model), (len(angles), 1))
-        configurations[:, self._qpos] = angles
-        return configurations
+        return posed(self.model, self.moved, resting(self.model), angles)
 
     def command_angles(self, angles: FloatArray) -> FloatArray:
         """Motor lines that command these joint angles (..., M): what a replay that knows the wiring sends."""
@@ -237,7 +251,8 @@ class SimulatedBody:
         return self.senses.vector({"angle": angles})
 
     def _feel(self) -> FloatArray:
-        true = {"angle": self.joint_angles, "speed": self.batch.qvel[:, self._dof]}
+        speeds = self._moved(self.batch.qvel, self._dof, self.model.jnt_dofadr)
+        true = {"angle": self.joint_angles, "speed": speeds}
         true |= {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
         return self.senses.vector({name: self.senses[name].measured(v, self._rng) for name, v in true.items()})
 
@@ -269,12 +284,6 @@ class SimulatedBody:
         return self.model.joint(joint).name or f"joint {joint}"
 
 
-def resting(model: mujoco.MjModel) -> FloatArray:
-    """(nq,) configuration of a model at rest: its keyframe `home`, or zero."""
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    return np.array(model.key_qpos[key] if key >= 0 else model.qpos0)
-
-
 def _say_nothing(text: str) -> None:
     pass
 
@@ -282,18 +291,3 @@ def _say_nothing(text: str) -> None:
 def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
     identity = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
     return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])
-
-
-def _fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float, parts: Sequence[str]) -> str:
-    digest = hashlib.sha256()
-    for part in (
-        model.names, model.body_parentid, model.body_pos, model.body_quat, model.body_mass, model.body_inertia,
-        model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
-        model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
-        wiring.motor, wiring.gain, wiring.offset, wiring.sense,
-        model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid,
-        np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]),
-        wear.bending, "\n".join(parts).encode(),
-    ):  # fmt: skip
-        digest.update(part if isinstance(part, bytes) else np.ascontiguousarray(part).tobytes())
-    return digest.hexdigest()[:16]

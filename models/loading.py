@@ -10,8 +10,12 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.files import checked
 from models.robots import ROBOTS, Robot, find
+from models.servos import PULLS, resting, servos
 from models.standing import Individuals, StandingBody
 from models.wear import ball_radius
+
+TICK_S, MOST_STEPS = 0.02, 1000
+"""Seconds of a control tick, and how many physics steps it may take."""
 
 
 def load_body(
@@ -22,6 +26,7 @@ def load_body(
     noise: float = 0.0,
     scramble: int | None = None,
     seed: int = 0,
+    give_servos: bool = False,
 ) -> SimulatedBody:
     """A registered robot, or any MJCF whose actuators are position servos.
 
@@ -35,6 +40,7 @@ def load_body(
         noise: standard deviation of the angle senses, rad.
         scramble: seed of an unknown wiring between mind and body.
         seed: randomness of the sensor noise.
+        give_servos: whether motors that know only torques, or speeds, get position servos; see `models.servos`.
 
     Raises:
         BodyError: an unknown name; a file that is missing, too large, does not compile or has no position actuators.
@@ -42,8 +48,8 @@ def load_body(
     text = str(name_or_path)
     robot = find(text) or Robot(Path(text), text)
     model = compiled(robot)
-    servos(model, text)
-    return SimulatedBody(
+    given = servos(model, text, give=give_servos, rest=resting(model))
+    body = SimulatedBody(
         model,
         name=text,
         copies=copies,
@@ -54,6 +60,8 @@ def load_body(
         scramble=scramble,
         seed=seed,
     )
+    body.given = given
+    return body
 
 
 def load_standing(
@@ -86,13 +94,14 @@ def load_standing(
 def hung(robot: Robot) -> mujoco.MjSpec:
     """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching springs alone."""
     spec = mujoco.MjSpec.from_file(str(robot.path))
-    free = [joint for joint in spec.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    model = spec.compile()
+    roots = _roots(model)
+    free = [joint for joint in spec.joints if joint.id in roots]
     if free:
-        model = spec.compile()
-        first = {int(model.jnt_qposadr[joint.id]) for joint in free}
-        kept = [i for i in range(model.nq) if first.isdisjoint(range(i - 6, i + 1))]
+        gone = {place for joint in free for place in _places(model, joint.id)}
+        kept = [i for i in range(model.nq) if i not in gone]
         for key in spec.keys:
-            key.qpos, key.qvel = np.array(key.qpos)[kept], []
+            key.qpos, key.qvel = np.array(key.qpos)[kept] if len(key.qpos) else [], []
     for joint in free:
         if robot.hangs_at is not None:
             joint.parent.pos = (0, 0, robot.hangs_at)
@@ -104,7 +113,41 @@ def hung(robot: Robot) -> mujoco.MjSpec:
         for name, size, line in (("pole", 0.012, (0, 0, 0, 0, 0, top)), ("arm", 0.01, (0, 0, top, 0.09, 0, top))):
             stand.add_geom(name=f"stand_{name}", type=kind.mjGEOM_CAPSULE, size=(size, 0, 0), fromto=line, **look)
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-    return equipped(spec, robot)
+    equipped(spec, robot)
+    if not any(key.name == "home" for key in spec.keys):
+        _find_home(spec)
+    return spec
+
+
+def _roots(model: mujoco.MjModel) -> set[int]:
+    """Joints that only let a whole robot go where it will: free ones, and those between the world and the body that all
+    its motors are on, which no motor, tendon or equality uses (planar bases)."""
+    pulled = model.actuator_trnid[np.isin(model.actuator_trntype, PULLS[:2]), 0]
+    tied = model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT)
+    used = {*pulled.tolist(), *model.wrap_objid, *model.eq_obj1id[tied], *model.eq_obj2id[tied]}
+    carried = {int(model.body_rootid[model.jnt_bodyid[joint]]) for joint in pulled}
+    kinds = zip(model.jnt_type, model.jnt_bodyid, strict=True)
+    free = {joint for joint, (kind, _) in enumerate(kinds) if kind == int(mujoco.mjtJoint.mjJNT_FREE)}
+    return free | {j for j in range(model.njnt) if j not in used and int(model.jnt_bodyid[j]) in carried}
+
+
+def _places(model: mujoco.MjModel, joint: int) -> range:
+    """Where a joint stands in a configuration."""
+    size = {int(mujoco.mjtJoint.mjJNT_FREE): 7, int(mujoco.mjtJoint.mjJNT_BALL): 4}
+    first = int(model.jnt_qposadr[joint])
+    return range(first, first + size.get(int(model.jnt_type[joint]), 1))
+
+
+def _find_home(spec: mujoco.MjSpec) -> None:
+    """A keyframe `home` where there is none: the first keyframe, or zero as far as the joints' ranges allow it."""
+    model = spec.compile()
+    rest = np.array(model.key_qpos[0] if model.nkey else model.qpos0)
+    for joint in range(model.njnt):
+        place = _places(model, joint)
+        if model.jnt_limited[joint] and len(place) == 1:
+            rest[place[0]] = np.clip(rest[place[0]], *model.jnt_range[joint])
+    if not np.array_equal(rest, model.qpos0):
+        spec.add_key(name="home", qpos=rest)
 
 
 def equipped(spec: mujoco.MjSpec, robot: Robot) -> mujoco.MjSpec:
@@ -138,37 +181,15 @@ def compiled(robot: Robot) -> mujoco.MjModel:
     """
     checked(robot.path)
     try:
-        return hung(robot).compile()
+        model = hung(robot).compile()
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise BodyError(f"{robot.path}: MuJoCo cannot compile it ({reason})") from error
-
-
-def servos(model: mujoco.MjModel, name: str) -> None:
-    """Check that every actuator is a position servo on a joint of its own, and give it a bounded command range.
-
-    Raises:
-        BodyError: no actuators, or one that is not a position servo; the actuator is named.
-    """
-    if model.nu == 0:
-        raise BodyError(f"{name}: it has no position actuators; add <position joint=... kp=...> for each joint to move")
-    taken: set[int] = set()
-    for i in range(model.nu):
-        label = model.actuator(i).name or f"number {i}"
-        joint = int(model.actuator_trnid[i, 0])
-        kp = model.actuator_gainprm[i, 0]
-        single = int(model.actuator_trntype[i]) == int(mujoco.mjtTrn.mjTRN_JOINT) and int(model.jnt_type[joint]) in (
-            int(mujoco.mjtJoint.mjJNT_HINGE),
-            int(mujoco.mjtJoint.mjJNT_SLIDE),
+    steps = max(1, int(np.ceil(TICK_S / model.opt.timestep - 1e-9)))
+    if steps > MOST_STEPS:
+        raise BodyError(
+            f"{robot.path}: its timestep of {model.opt.timestep:g} s makes {steps} steps of every control tick of "
+            f"{TICK_S:g} s; {TICK_S / MOST_STEPS:g} s or more is possible"
         )
-        if not single or kp <= 0 or not np.isclose(model.actuator_biasprm[i, 1], -kp) or joint in taken:
-            raise BodyError(
-                f"{name}: actuator {label!r} is not a position servo on a hinge or slide joint of its own; "
-                "use <position joint=... kp=...>, one per joint"
-            )
-        taken.add(joint)
-        if not model.jnt_limited[joint]:
-            model.jnt_range[joint] = (-np.pi, np.pi)
-        if not model.actuator_ctrllimited[i]:
-            model.actuator_ctrlrange[i] = model.jnt_range[joint]
-            model.actuator_ctrllimited[i] = 1
+    model.opt.timestep = TICK_S / steps  # whole steps, none longer than it asked for
+    return model

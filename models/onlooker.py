@@ -8,8 +8,8 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.biclops.room import TEACHER
-from models.body import resting
 from models.robots import head_of
+from models.servos import resting
 from models.shapes import Part, parts
 
 _SCENERY = ("front_wall", "back_wall", "left_wall", "right_wall", "floor")

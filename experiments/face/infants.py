@@ -8,10 +8,11 @@ import numpy as np
 from babbling.axes import FloatArray, IntArray
 from babbling.dark import Acts, FaceMind, babble, learn
 from experiments.face.judging import labels
-from models.body import SimulatedBody, resting
+from models.body import SimulatedBody
 from models.face import JOINTS, Face
 from models.face.body import face_body, face_model
 from models.face.relations import Truth
+from models.servos import resting
 
 TOGETHER: Final = 20
 """Infants whose bodies are stepped side by side; results depend on it as little as on the number of processes."""

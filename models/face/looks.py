@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 
 from models.arrays import FloatArray
-from models.body import resting
 from models.face import Face
 from models.face.body import face_spec
 from models.renderers import open_eye
 from models.retina import Image, RetinaOptions
+from models.servos import resting
 
 RETINA: Final = RetinaOptions(320, 240, fovy_deg=30.0, noise=0.02)
 EYES: Final = ("left", "right")

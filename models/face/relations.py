@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from models.arrays import FloatArray
-from models.body import resting
+from models.servos import resting
 
 RELATIONS: Final = ("gap", "beyond", "side", "up", "purse", "brow", "turn", "nod")
 """How far the lower lip has gone from where lips part; how far the tongue, were it straight, comes

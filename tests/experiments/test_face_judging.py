@@ -11,9 +11,9 @@ from experiments.face.judging import MAIN, ORGAN_SHOWN, ORGANS, RANGE, labels, l
 from experiments.face.showing import HOLD_S, SHOWN, SIDED, Shown, drawn, performed, still, truth
 from experiments.face.theories import GESTURES, LABELS
 from imitation.correspondence.own_acts import OwnActs
-from models.body import resting
 from models.face import FACES, JOINTS, SLIDES, Face, relations
 from models.face.body import face_model
+from models.servos import resting
 from tests.babbling.mouth import Mouth, grown
 
 Array = NDArray[np.float64]

@@ -11,12 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from models.body import SimulatedBody, resting
+from models.body import SimulatedBody
 from models.errors import BodyError
 from models.face import ADULT_SIZE, FACE, FACES, JOINTS, SITES, TOUCH, WORN, Face, Proportions, face_of, find
 from models.face.body import NOISE, face_body, face_model
 from models.face.looks import APART_M, FOCAL_PX, Onlooker, View
 from models.face.relations import RELATIONS, Truth
+from models.servos import resting
 from models.wear import Wear
 
 Array = NDArray[np.float64]
