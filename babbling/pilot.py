@@ -25,8 +25,9 @@ from babbling.kinds import Numbers
 from babbling.loop import explore
 from babbling.schema import BodySchema, find_schema
 
-JITTER = 0.0105
-"""Command noise while babbling, rad: about 0.6 degrees, so that actions vary at every speed."""
+JITTER, JITTER_SHARE = 0.0105, 1 / 80
+"""Command noise while babbling, so that actions vary at every speed: rad, about 0.6 degrees, but no more than this
+share of a posture's range (a finger's 4 cm)."""
 SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 7.5
 ENDS = 0.05
 """Share of a posture's range that babbling leaves free at either end."""
@@ -189,7 +190,7 @@ def motor_range(schema: BodySchema, body: Body) -> MotorRange:
         high=np.minimum(ends.max(0), body.motor_high),
         rest=schema.motors(body.reset()[:, schema.posture].mean(0)),
         speed=body.sense_high[schema.rate] / per_unit,
-        jitter=JITTER / per_unit,
+        jitter=np.minimum(JITTER, JITTER_SHARE * (high - low)) / per_unit,
     )
 
 

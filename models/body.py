@@ -17,6 +17,7 @@ from models.errors import BodyError, unknown
 from models.fingerprints import fingerprint
 from models.senses import Channel, Senses, sensor_channels
 from models.servos import PULLS, Gains, driven, posed, reach, resting
+from models.units import SHOWN
 from models.wear import Wear, ball_radius
 from models.wiring import Wiring
 
@@ -86,6 +87,10 @@ class SimulatedBody:
         self._servos = np.array([names.index(joint) for joint in self.joints])
         self.moved = tuple(known[joint] for joint in self.joints)
         self.units = tuple(one.unit for one in self.moved)
+        self.shown_units = tuple(SHOWN[unit][0] for unit in self.units)
+        self.shown_scale = np.array([SHOWN[unit][1] for unit in self.units])
+        """(M,) what one rad or m is in those, which people read."""
+        both, paces = (" or ".join(sorted({unit + per for unit in self.units}, reverse=True)) for per in ("", "/s"))
         joints = [one.joints[0] for one in self.moved]
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self._tendons = [(m, [*one.joints], [*one.shares]) for m, one in enumerate(self.moved) if len(one.joints) > 1]
@@ -99,10 +104,11 @@ class SimulatedBody:
         speed = np.where([unit == "m" for unit in self.units], SLIDES_PER_S * (high - low), turns)
         self._sensors = sensor_channels(model, sensors)
         self._stage = int(mujoco.mjtStage.mjSTAGE_ACC if self._sensors else mujoco.mjtStage.mjSTAGE_NONE)
+        shaken = np.sqrt(2) * noise / tick_s
         channels = (
-            Channel("angle", "angle", "rad", self.joints, low, high, noise=noise, pulses=float(np.rad2deg(pulses))),
+            Channel("angle", "angle", both, self.joints, low, high, noise=noise, pulses=float(np.rad2deg(pulses))),
             Channel(
-                "speed", "speed", "rad/s", self.joints, -speed, speed, noise=np.sqrt(2) * noise / tick_s, suffix="speed"
+                "speed", "speed", paces, self.joints, -speed, speed, (), np.sqrt(2) * noise / tick_s, suffix="speed"
             ),
             *(channel for channel, _ in self._sensors),
         )
@@ -230,9 +236,9 @@ class SimulatedBody:
     @property
     def joint_angles(self) -> FloatArray:
         """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
-        return self._moved(self.batch.qpos, self._qpos, self.model.jnt_qposadr)
+        return self._read(self.batch.qpos, self._qpos, self.model.jnt_qposadr)
 
-    def _moved(self, of: FloatArray, firsts: IntArray, places: IntArray) -> FloatArray:
+    def _read(self, of: FloatArray, firsts: IntArray, places: IntArray) -> FloatArray:
         found: FloatArray = of[:, firsts]
         for m, joints, shares in self._tendons:
             found[:, m] = of[:, places[joints]] @ shares
@@ -251,7 +257,7 @@ class SimulatedBody:
         return self.senses.vector({"angle": angles})
 
     def _feel(self) -> FloatArray:
-        speeds = self._moved(self.batch.qvel, self._dof, self.model.jnt_dofadr)
+        speeds = self._read(self.batch.qvel, self._dof, self.model.jnt_dofadr)
         true = {"angle": self.joint_angles, "speed": speeds}
         true |= {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
         return self.senses.vector({name: self.senses[name].measured(v, self._rng) for name, v in true.items()})

@@ -81,18 +81,20 @@ def driven(model: mujoco.MjModel, actuator: int, name: str) -> Motor:
             f"{said} pulls neither a joint nor a tendon of joints (its transmission is {_TRN(kind).name[6:].lower()}); "
             "leave it out"
         )
-    label, joints, shares = model.joint(pulled).name if kind != int(_TRN.mjTRN_TENDON) else "", (pulled,), (1.0,)
-    if kind == int(_TRN.mjTRN_TENDON):
+    joints, shares = [pulled], [1.0]
+    if kind != int(_TRN.mjTRN_TENDON):
+        label = model.joint(pulled).name
+    else:
         first, count = int(model.tendon_adr[pulled]), int(model.tendon_num[pulled])
         wraps = range(first, first + count)
         if any(model.wrap_type[i] != int(mujoco.mjtWrap.mjWRAP_JOINT) for i in wraps):
             raise BodyError(f"{said} pulls a tendon through space; only <fixed> tendons of joints are understood")
-        label, joints = model.tendon(pulled).name, tuple(int(model.wrap_objid[i]) for i in wraps)
-        shares = tuple(float(model.wrap_prm[i]) for i in wraps)
+        label, joints = model.tendon(pulled).name, [int(model.wrap_objid[i]) for i in wraps]
+        shares = [float(model.wrap_prm[i]) for i in wraps]
     units = {_UNITS.get(int(model.jnt_type[joint]), "") for joint in joints}
     if len(units) != 1 or "" in units:
         raise BodyError(f"{said} moves no hinges alone and no slides alone; a servo turns hinges or drives slides")
-    return Motor(label or f"joint {pulled}", units.pop(), joints, shares)
+    return Motor(label or f"joint {pulled}", units.pop(), tuple(joints), tuple(shares))
 
 
 def resting(model: mujoco.MjModel) -> FloatArray:

@@ -52,8 +52,8 @@ def command(config: Config) -> None:
         ("body time", f"{metrics['babbling_body_minutes']:.1f} + {metrics['pilot_body_minutes']:.1f} minutes (pilot)"),
         ("transitions", f"{metrics['babbling_transitions']:,} over {len(learned.mind.forward_model.factors)} factors"),
         ("wall time of the babble", f"{metrics['babbling_wall_s']:.1f} s"),
-        ("held-out error, one tick ahead", f"{metrics['learning_curve_table_deg'][-1]:.4f} deg"),
-        ("the same, least-squares line", f"{metrics['learning_curve_linear_deg'][-1]:.4f} deg"),
+        ("held-out error, one tick ahead", f"{learned.curve.table[-1]:.4f} {learned.curve.unit}"),
+        ("the same, least-squares line", f"{learned.curve.line[-1]:.4f} {learned.curve.unit}"),
     ]
     beside = [out.with_suffix(".png"), out.with_suffix(".json")]
     if config.stand:

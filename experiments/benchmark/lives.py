@@ -15,7 +15,7 @@ from babbling.pilot import begin
 from experiments.benchmark.options import Config
 from experiments.shared import peers
 from experiments.shared.baselines import direct_replay
-from experiments.shared.judging import ringing_deg, rmse_deg
+from experiments.shared.judging import ringing, rmse_deg
 from experiments.shared.minds import COPIES, bare_rate, body_of
 from experiments.shared.options import BodyOptions
 from experiments.shared.peers import Steps
@@ -110,7 +110,7 @@ def perform(task: Task, options: BodyOptions, mind: Mind, lived: Sequence[Steps]
 
     def note(name: str, reached: Sequence[FloatArray]) -> None:
         point.errors[name] = [rmse_deg(one, wanted) for one, wanted in zip(reached, clips, strict=True)]
-        rings = [ringing_deg(one - wanted) for one, wanted in zip(reached, clips, strict=True)]
+        rings = [ringing(np.rad2deg(one - wanted)) for one, wanted in zip(reached, clips, strict=True)]
         point.ringing[name] = np.mean(rings, axis=0)
 
     if "replay" in task.models:

@@ -31,25 +31,26 @@ def imitation(done: Performed, metrics: Mapping[str, float]) -> Figure:
         limbs(top, done, done.seen.oracle.found.parts)
     axes = below.subplots(len(chosen), 2, sharex=True, width_ratios=(1.5, 1), squeeze=False)
     for (left, right), joint in zip(axes, chosen, strict=True):
-        wanted = np.rad2deg(done.seen.angles[:, joint])
+        wanted, scale = done.body.shown_scale[joint] * done.seen.angles[:, joint], done.body.shown_scale[joint]
         for values, colour, label, width in (
-            (np.rad2deg(done.replayed[:, joint]), PLAIN, "replayed", 1.0),
+            (scale * done.replayed[:, joint], PLAIN, "replayed", 1.0),
             (wanted, THEIRS, "sub-goals", 2.6),
-            (np.rad2deg(done.imitated[:, joint]), OURS, "imitated", 1.1),
+            (scale * done.imitated[:, joint], OURS, "imitated", 1.1),
         ):
             left.plot(time, values, color=colour, label=label, lw=width)
             if label != "sub-goals":
                 right.plot(time, values - wanted, color=colour, lw=0.9)
-        left.set_ylabel(f"{done.body.joints[joint]}\n[deg]", fontsize=8)
+        left.set_ylabel(f"{done.body.joints[joint]}\n[{done.body.shown_units[joint]}]", fontsize=8)
         right.axhline(0, color="black", lw=0.4)
     axes[0, 0].legend(frameon=False, ncols=3, fontsize=8)
     axes[0, 0].set_title(f"{done.seen.movement.name}: joint angles")
-    axes[0, 1].set_title("error [deg]")
+    axes[0, 1].set_title(f"error [{' or '.join(sorted({*done.body.shown_units}))}]")
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
-    told = (
-        f"RMSE of all joints against sub-goals: imitated {metrics['joint_rmse_deg']:.3f} deg, "
-        f"direct replay {metrics['direct_replay_rmse_deg']:.3f} deg"
+    told = "RMSE of all joints against sub-goals: " + "; ".join(
+        f"imitated {metrics[f'joint_rmse_{shown}']:.3f} {shown}, "
+        f"direct replay {metrics[f'direct_replay_rmse_{shown}']:.3f} {shown}"
+        for shown in sorted({*done.body.shown_units})
     )
     if done.seen.oracle is not None:
         told = (
@@ -112,7 +113,7 @@ def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = Non
     return learning_curve(
         curve.minutes,
         {"average of explanations": curve.table, "least-squares line, same experience": curve.line},
-        ("babbling [body-minutes]", "error of predicted posture, one tick ahead [deg]"),
+        ("babbling [body-minutes]", f"error of predicted posture, one tick ahead [{curve.unit}]"),
         "Learning curve on held-out babbling",
         None if floor is None else (f"table after {floor[0]:.0f} body-minutes", floor[1]),
     )

@@ -68,5 +68,6 @@ class Performed:
 
     @property
     def busiest(self) -> NDArray[np.intp]:
-        """Joints by how much they move, most first."""
-        return np.argsort(-self.seen.angles.std(0), kind="stable")
+        """Joints by how much they move, most first; beside slides, by shares of their ranges."""
+        span = np.ptp(self.body.joint_range, axis=1) if "m" in self.body.units else 1.0
+        return np.argsort(-self.seen.angles.std(0) / span, kind="stable")

@@ -44,10 +44,10 @@ def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
     if limbs:
         angles[1:] = [rrb.TimeSeriesView(name="limb directions off the teacher's [deg]", origin="/limbs")]
         angles.reverse()
-    angles.append(rrb.TimeSeriesView(name="error, all joints [deg]", contents=["/error/**"]))
+    angles.append(rrb.TimeSeriesView(name="error, all joints", contents=["/error/**"]))
     beliefs = [
         rrb.BarChartView(name=f"P(action), {joints[0]}, about the chosen", origin=f"/belief/{joints[0]}/posterior"),
-        rrb.TimeSeriesView(name="felt bias [deg]", origin="/correction"),
+        rrb.TimeSeriesView(name="felt bias", origin="/correction"),
     ]
     more = rrb.Tabs(
         *(rrb.Spatial2DView(name=f"posterior, {joint}", origin=f"/belief/{joint}/history") for joint in joints),
@@ -79,17 +79,22 @@ def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
 
 
 def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
-    tick = done.body.tick_s
+    tick, units = done.body.tick_s, done.body.shown_units
     for j, joint in enumerate(done.body.joints):
         for name, said, values, colour, width in (
             ("replayed", "replayed", done.replayed, REPLAYED, 1.0),
             ("demonstrated", "sub-goals", done.seen.angles, DEMONSTRATED, 3.0),
             ("imitated", "imitated", done.imitated, IMITATED, 1.5),
         ):
-            log_series(stream, f"joints/{joint}/{name}", np.rad2deg(values[:, j]), tick, said, colour, width)
+            shown = done.body.shown_scale[j] * values[:, j]
+            log_series(stream, f"joints/{joint}/{name}", shown, tick, f"{said} [{units[j]}]", colour, width)
     for name, values, colour in (("imitated", done.imitated, IMITATED), ("replayed", done.replayed, REPLAYED)):
-        error = np.rad2deg(np.sqrt(np.mean((values - done.seen.angles) ** 2, axis=1)))
-        log_series(stream, f"error/{name}", error, tick, f"{name}, root mean square of all joints [deg]", colour)
+        for unit in sorted({*units}):
+            own = np.array(units) == unit
+            away = (done.body.shown_scale * (values - done.seen.angles))[:, own]
+            said = f"{name}, root mean square of all {'joints' if unit == 'deg' else 'slides'} [{unit}]"
+            at = f"error/{name}" if unit == "deg" else f"error/slides/{name}"
+            log_series(stream, at, np.sqrt(np.mean(away**2, axis=1)), tick, said, colour)
     shown = {
         "replayed": ("replayed", REPLAYED),
         "least": ("the joints' limit", ESTIMATED),
@@ -112,8 +117,8 @@ def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
         log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
         evidence = np.log10(np.maximum(last.evidence[:, 0, factor], 1e-30))
         log_series(stream, f"belief/{name}/evidence", evidence, tick, name, colour)
-        bias = np.rad2deg(last.believed[:, 0, factor, 2])
-        log_series(stream, f"correction/{name}", bias, tick, name, colour)
+        bias = done.body.shown_scale[joint] * last.believed[:, 0, factor, 2]
+        log_series(stream, f"correction/{name}", bias, tick, f"{name} [{done.body.shown_units[joint]}]", colour)
 
 
 def about_the_chosen(candidates: FloatArray, posterior: FloatArray, bars: int = 91) -> FloatArray:

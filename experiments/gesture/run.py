@@ -11,12 +11,12 @@ from babbling.body_image import BodyImage
 from babbling.files import load
 from experiments.gesture.figures import figures
 from experiments.gesture.found import Performed
+from experiments.gesture.joints import joint_metrics, joint_rows
 from experiments.gesture.options import Config
 from experiments.gesture.recording import record
 from experiments.gesture.standing import stand, take_balance
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
-from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
@@ -25,9 +25,6 @@ from experiments.shared.tables import table
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import REHEARSERS, best_eagerness
-
-MOVES = np.deg2rad(1.0)
-"""A joint whose sub-goals range over more moves."""
 
 
 def run(config: Config) -> Result:
@@ -73,9 +70,6 @@ def run(config: Config) -> Result:
 def measure(done: Performed) -> dict[str, Any]:
     """The numbers of metrics.json; the headline is `limb_error_deg`, errors of joints are against the sub-goals."""
     config, body, seen, learned, last = done.config, done.body, done.seen, done.learned, done.attempts[-1]
-    error = np.rad2deg(done.imitated - seen.angles)
-    by_joint, ringing = np.sqrt(np.mean(error**2, axis=0)), ringing_deg(done.imitated - seen.angles)
-    moving = np.ptp(seen.angles, axis=0) > MOVES
     labels = [body.sense_labels[sense] for sense in learned.mind.pilot.schema.posture]
     right = np.mean([label == joint for label, joint in zip(labels, body.motor_labels, strict=True)])
     select_ms = 1e3 * np.concatenate([attempt.select_s for attempt in done.attempts])
@@ -88,19 +82,8 @@ def measure(done: Performed) -> dict[str, Any]:
         "frames": len(seen.angles),
         "tick": body.tick_s,
         **limb_metrics(done),
-        "joint_rmse_deg": float(np.sqrt(np.mean(error**2))),
-        "joint_rmse_deg_by_joint": dict(zip(body.joints, by_joint.tolist(), strict=True)),
-        "worst_joint": body.joints[int(by_joint.argmax())],
-        "worst_joint_deg": float(by_joint.max()),
-        "largest_error_deg": float(np.abs(error).max()),
-        "moving_joints_rmse_deg": float(np.sqrt(np.mean(error[:, moving] ** 2))) if moving.any() else 0.0,
-        "ringing_deg": float(np.median(ringing)),
-        "ringing_worst_deg": float(ringing.max()),
-        "approach_error_deg": rmse_deg(last.approach[:, 0], last.way[:, 0, done.factors]),
+        **joint_metrics(done),
         "slowed_factor": seen.slowed,
-        "attempts_rmse_deg": [rmse_deg(attempt.truth[:, 0], seen.angles) for attempt in done.attempts],
-        "direct_replay_rmse_deg": rmse_deg(done.replayed, seen.angles),
-        "linear_peer_rmse_deg": rmse_deg(done.peer.truth[:, 0], seen.angles),
         "uninformed_selections": int(last.uninformed.sum()),
         "selections": last.uninformed.size,
         "never_tried_share": float(np.mean(last.familiarity < 1)),
@@ -150,15 +133,7 @@ def summarise(metrics: dict[str, Any], seen: Seen) -> str:
         ]
     rows += [
         ("slowed for the servos", f"{metrics['slowed_factor']:.2f} times as long"),
-        (
-            f"joint error against sub-goals, imitated (attempt {len(metrics['attempts_rmse_deg'])})",
-            deg["joint_rmse_deg"],
-        ),
-        ("joint error, first attempt", f"{metrics['attempts_rmse_deg'][0]:.4f} deg"),
-        (f"worst joint ({metrics['worst_joint']})", deg["worst_joint_deg"]),
-        ("on the way into the movement", deg["approach_error_deg"]),
-        ("joint error, direct replay", deg["direct_replay_rmse_deg"]),
-        ("joint error, linear inverse model in the same loop", deg["linear_peer_rmse_deg"]),
+        *joint_rows(metrics),
     ]
     if seen.learned is not None:
         both = f"{metrics['limb_direction_error_deg']:.3f} / {metrics['ik_limb_direction_error_deg']:.3f} deg"

@@ -18,18 +18,24 @@ class LearningCurve:
     """Of the forward model."""
     line: FloatArray
     """Of a line fitted to the same experience."""
+    unit: str = "deg"
+
+
+def rmse(reached: FloatArray, wanted: FloatArray) -> float:
+    """Root mean square over all frames and joints; where what was wanted is NaN is left out."""
+    away = (reached - wanted)[np.isfinite(wanted)]
+    return float(np.sqrt(np.mean(away**2)))
 
 
 def rmse_deg(reached: FloatArray, wanted: FloatArray) -> float:
-    """Root mean square over all frames and joints, degrees; where what was wanted is NaN is left out."""
-    away = (reached - wanted)[np.isfinite(wanted)]
-    return float(np.rad2deg(np.sqrt(np.mean(away**2))))
+    """The same of radians, in degrees."""
+    return float(np.rad2deg(rmse(reached, wanted)))
 
 
-def ringing_deg(error: FloatArray) -> FloatArray:
-    """(J,) how far an error e (T, J), rad, shakes from tick to tick, peak to peak as a sine wave of its strength:
+def ringing(error: FloatArray) -> FloatArray:
+    """(J,) how far an error e (T, J) shakes from tick to tick, peak to peak as a sine wave of its strength:
     2 sqrt(2) RMS(second difference of e / 4). Slow errors hardly count."""
-    return np.asarray(2 * np.sqrt(2 * np.mean((np.diff(np.rad2deg(error), 2, axis=0) / 4) ** 2, axis=0)))
+    return np.asarray(2 * np.sqrt(2 * np.mean((np.diff(error, 2, axis=0) / 4) ** 2, axis=0)))
 
 
 def interval_95(hits: int, count: int) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from imitation.acting.rehearsal import REHEARSERS, rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
+from models.units import SHOWN
 
 COPIES = 8
 BARE_TICKS = 100
@@ -34,6 +35,7 @@ def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody
         noise=float(np.deg2rad(options.sensor_noise_deg)),
         scramble=options.scramble,
         seed=options.seed * 1000 + stream,
+        give_servos=options.servos,
     )
 
 
@@ -65,10 +67,14 @@ def people_say(body: SimulatedBody) -> Mapping[str, Sequence[str]]:
 
 class HeldOut:
     """Babbling that is held out, and what it says while more and more is learned: points of a `LearningCurve`, degrees
-    of posture (root mean square over factors and transitions)."""
+    of posture, or millimetres of a body that only slides (root mean square over factors and transitions)."""
 
     def __init__(self, options: BodyOptions, found: Pilot) -> None:
         body = body_of(options, COPIES, stream=2)
+        units = dict(zip(body.joints, body.shown_units, strict=True))
+        moved = [units.get(body.sense_labels[line], "deg") for line in found.schema.posture]
+        self.unit = "deg" if "deg" in moved else moved[0]  # slides are judged where there is nothing else
+        self.counted, self.scale = np.array(moved) == self.unit, dict(SHOWN.values())[self.unit]
         self.columns, self.outcome = found.experienced(*experience(body, found, options.seed + 7919, 0, 500))
         self.points: list[tuple[float, ...]] = []
 
@@ -76,10 +82,14 @@ class HeldOut:
         """Add a point for the forward model as it is now."""
         told = model.foretold_by(self.columns)
         average = (told * model.weights).sum(-1)
-        errors = [
-            np.rad2deg(np.sqrt(np.mean((predicted - self.outcome) ** 2))) for predicted in (average, told[..., 0])
-        ]
+        missed = [(predicted - self.outcome)[:, self.counted] for predicted in (average, told[..., 0])]
+        errors = [self.scale * np.sqrt(np.mean(away**2)) for away in missed]
         self.points.append((minutes, *map(float, errors)))
+
+    def curve(self) -> LearningCurve:
+        """So far."""
+        minutes, table, line = np.array(self.points).T
+        return LearningCurve(minutes, table, line, self.unit)
 
 
 def learn_mind(
@@ -121,7 +131,7 @@ def learn_mind(
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(body_of(options, REHEARSERS, stream=1), mind, options.seed)
     report(1.0)
-    ticks, curve = sum(plan[first:]), LearningCurve(*np.array(held_out.points).T)
+    ticks, curve = sum(plan[first:]), held_out.curve()
     metrics = {
         "babbling_transitions": model.transitions,
         "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
@@ -132,8 +142,8 @@ def learn_mind(
         "babbling_efficiency_factor": ticks / spent / bare_rate(body, found, np.random.default_rng([options.seed, 6])),
         "steps_per_second_factor": ticks * COPIES * body.substeps / spent,
         "learning_curve_body_minutes": curve.minutes,
-        "learning_curve_table_deg": curve.table,
-        "learning_curve_linear_deg": curve.line,
+        f"learning_curve_table_{curve.unit}": curve.table,
+        f"learning_curve_linear_{curve.unit}": curve.line,
         "explanations": dict(zip(EXPLANATIONS, model.weights.mean(0).tolist(), strict=True)),
     }
     return Learned(mind, metrics, curve)

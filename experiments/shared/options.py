@@ -155,6 +155,9 @@ class BodyOptions(WiredOptions):
     robot: Robot = "hoap2"
     """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF with position
     actuators."""
+    servos: bool = False
+    """Give motors that know only torques, or speeds, position servos: of 8 Hz and damping ratio 0.9 by their joints'
+    inertia, their torque limits kept."""
     sensor_noise_deg: Annotated[float, within(0, 30, "degrees")] = 0.0
     """Standard deviation of every angle sense, degrees."""
 
