@@ -18,17 +18,20 @@ from babbling.body import Body
 from babbling.dynamics import LinearDynamics, fit_dynamics
 from babbling.errors import BabblingError
 from babbling.explanations import Explanations
-from babbling.exploration import MotorRange, smooth
+from babbling.exploration import MotorRange, in_turn, smooth
 from babbling.features import HINGES, SLOW, WIDTHS, ZONES, Features
 from babbling.frame import MARGIN, QUANTILE, Frame, shares
 from babbling.kinds import Numbers
 from babbling.loop import explore
-from babbling.schema import BodySchema, find_schema
+from babbling.schema import BodySchema, Told, find_schema, one_by_one, together
 
 JITTER, JITTER_SHARE = 0.0105, 1 / 80
 """Command noise while babbling, so that actions vary at every speed: rad, about 0.6 degrees, but no more than this
 share of a posture's range (a finger's 4 cm)."""
 SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 7.5
+PER_MOTOR_S, AT_ONCE_S, LEAST_SLOT_S = 2.0, 50.0, 0.2
+"""Body time of wiring, for each motor and in all, from which all may move at once; below it they move in turn, for so
+long at least."""
 ENDS = 0.05
 """Share of a posture's range that babbling leaves free at either end."""
 
@@ -84,6 +87,11 @@ class Pilot:
         return smooth(self.motors, body.copies, body.tick_s, rng)
 
 
+def pilot_minutes(copies: int) -> float:
+    """Body time that the pilot of so many copies takes."""
+    return (SETTLE_S + REST_S + WIRING_S + PILOT_S) * copies / 60
+
+
 def pilot(body: Body, seed: int) -> Pilot:
     """Find out what there is to move and to feel.
 
@@ -105,7 +113,12 @@ def begin(
     tick = body.tick_s
     middle, half = (body.motor_low + body.motor_high) / 2, (body.motor_high - body.motor_low) / 2
     everything = MotorRange(body.motor_low, body.motor_high, middle, half / 2, 0 * half)
-    schema, _ = wire(body, smooth(everything, body.copies, tick, np.random.default_rng([seed, 1])))
+    rng, enough = np.random.default_rng([seed, 1]), max(PER_MOTOR_S * len(half), AT_ONCE_S)
+    if WIRING_S * body.copies < enough:
+        slot = float(np.clip((WIRING_S - SETTLE_S) / len(half), LEAST_SLOT_S, PER_MOTOR_S / 2))
+        schema, _ = wire(body, in_turn(everything, body.copies, tick, rng, slot, SETTLE_S), told=one_by_one)
+    else:
+        schema, _ = wire(body, smooth(everything, body.copies, tick, rng))
     if not len(schema.rate):
         raise BabblingError(
             f"{len(body.motor_low)} motors but only {len(body.sense_low)} senses: each motor needs one that says where "
@@ -135,7 +148,7 @@ def begin(
     seen = _experienced(features, dynamics, *run)
     features = replace(features, share=shares(*seen))
     seen = _experienced(features, dynamics, *run)
-    minutes = (SETTLE_S + REST_S + WIRING_S + PILOT_S) * body.copies / 60
+    minutes = pilot_minutes(body.copies)
     frame = Frame.found(features, *seen)
     found = Pilot(schema, span, low, high, ends.T, dynamics, frame, minutes, body.fingerprint)
     model = found.forward_model()
@@ -165,7 +178,9 @@ def _experienced(
     return columns.reshape(-1, *columns.shape[2:]), outcome.reshape(-1, outcome.shape[-1])
 
 
-def wire(body: Body, stream: Iterator[FloatArray], lines: slice = slice(None)) -> tuple[BodySchema, int]:
+def wire(
+    body: Body, stream: Iterator[FloatArray], lines: slice = slice(None), told: Told = together
+) -> tuple[BodySchema, int]:
     """Rest, then send a stream of commands: what moves what among these senses; and how many ticks it took.
 
     Raises:
@@ -177,7 +192,7 @@ def wire(body: Body, stream: Iterator[FloatArray], lines: slice = slice(None)) -
     motors, senses = explore(body, stream, moving)
     low, high = body.sense_low[lines], body.sense_high[lines]
     felt, still = senses[settled + 1 :, :, lines], resting[settled:, :, lines]
-    return find_schema(motors[settled:], felt, still, low, high, body.tick_s), rest + moving
+    return find_schema(motors[settled:], felt, still, low, high, body.tick_s, told), rest + moving
 
 
 def motor_range(schema: BodySchema, body: Body) -> MotorRange:

@@ -6,6 +6,7 @@ sense; the sense that follows the changes of that posture is its *rate* sense. A
 gives the efference copy: what posture a command asks for.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -17,10 +18,13 @@ from babbling.errors import BabblingError
 from babbling.kinds import Numbers
 from babbling.regression import regress
 
+Told = Callable[[FloatArray, FloatArray], tuple[FloatArray, float]]
 BINS = 12
 """Of every variable, fewer where the pairs of bins would not get two samples each."""
 LEAST_BITS = 0.1
 """A sense that knows less than this about a motor is not moved by it, however many samples say so."""
+CHANGE = 40
+"""Ticks over which a motor that moves by itself is seen to move something: weak servos take some to follow."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,32 @@ def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatA
     return np.asarray(np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0))
 
 
+def together(motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, float]:
+    """(M, S) bits that (T, B, S) senses tell about (T, B, M) commands that all change at once, and how many another
+    copy's commands seem to tell: smooth movements are far fewer samples than ticks."""
+    m, s = motors.reshape(-1, motors.shape[-1]), senses.reshape(-1, senses.shape[-1])
+    bins = min(BINS, max(2, int(np.sqrt(len(m) / 2))))
+    by_chance = [mutual_information(other.reshape(m.shape), s, bins).max() for other in _others(motors, s.shape[1])]
+    return mutual_information(m, s, bins), max(LEAST_BITS, 1.1 * float(max(by_chance)))
+
+
+def one_by_one(motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, float]:
+    """The same of commands that change in turn: bits between changes over `CHANGE` ticks, -log2(1 - r^2) / 2 of their
+    correlation r; what a motor does not move then stands still, so that hardly anything seems so by chance."""
+    x, y = ((v[CHANGE:] - v[:-CHANGE]).reshape(-1, v.shape[-1]) for v in (motors, senses))
+    x, y = x - x.mean(0), y - y.mean(0)
+    square = (x.T @ y) ** 2 / np.maximum(np.outer((x**2).sum(0), (y**2).sum(0)), 1e-300)
+    return np.asarray(-np.log2(1 - np.minimum(square, 1 - 1e-9)) / 2), LEAST_BITS
+
+
 def find_schema(
-    motors: FloatArray, senses: FloatArray, resting: FloatArray, low: FloatArray, high: FloatArray, tick_s: float
+    motors: FloatArray,
+    senses: FloatArray,
+    resting: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    tick_s: float,
+    told: Told = together,
 ) -> BodySchema:
     """Body schema from a slow babble and a moment of rest.
 
@@ -88,41 +116,45 @@ def find_schema(
         resting: (R, B, S) sensations while nothing moves.
         low, high: (S,) ranges of the senses.
         tick_s: control tick.
+        told: how senses tell about motors: `together` or `one_by_one`, as these moved.
 
     Raises:
         BabblingError: a motor that moves nothing that is felt.
     """
     m, s = motors.reshape(-1, motors.shape[-1]), senses.reshape(-1, senses.shape[-1])
-    bins = min(BINS, max(2, int(np.sqrt(len(m) / 2))))
-    information = mutual_information(m, s, bins)
+    information, chance = told(motors, senses)
     rows, posture = linear_sum_assignment(-information)
     if len(rows) < m.shape[1]:
         raise BabblingError(f"{m.shape[1]} motors but only {s.shape[1]} senses: each motor needs a sense that it moves")
-    # how much another copy's motors seem to tell by chance: smooth movements are far fewer samples than ticks
-    by_chance = [mutual_information(other.reshape(m.shape), s, bins).max() for other in _others(motors, s.shape[1])]
-    chance = max(LEAST_BITS, 1.1 * float(max(by_chance)))
     weak = information[rows, posture] < chance
     if weak.any():
         dead = int(np.argmax(weak))
         raise BabblingError(
             f"motor {dead} moves nothing that is felt: at most {information[dead].max():.2f} bit with any sense, where "
-            f"chance alone explains {chance:.2f}; connect it, or leave it out"
+            f"chance alone explains {chance:.2f}; connect it, leave it out, or babble longer"
         )
-    rate = _rates(senses, posture, tick_s) if s.shape[1] >= 2 * m.shape[1] else posture[:0]
+    rate = posture[:0]
+    if s.shape[1] >= 2 * m.shape[1]:
+        posture, rate = _rates(senses, posture, tick_s)
     offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
     noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
     return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
 
 
-def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> IntArray:
-    """(F,) rate senses: among the others, those that go with the postures' own changes."""
-    change = (np.diff(senses, axis=0) / tick_s).reshape(-1, senses.shape[-1])[:, posture]
+def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> tuple[IntArray, IntArray]:
+    """(F,) posture and rate senses: those that go with the postures' own changes. Where a "posture" goes with another
+    sense's changes, more than any goes with its own, it was the rate of that one."""
+    change = (np.diff(senses, axis=0) / tick_s).reshape(-1, senses.shape[-1])
     level = senses[1:].reshape(-1, senses.shape[-1])
     with np.errstate(invalid="ignore", divide="ignore"):
         both = (change - change.mean(0)).T @ (level - level.mean(0)) / len(level)
         follow = np.nan_to_num(both / np.outer(change.std(0), level.std(0)))
+    np.fill_diagonal(follow, -1)
+    whose = follow[:, posture].argmax(0)
+    mistaken = (follow[whose, posture] > follow[posture].max(1)) & ~np.isin(whose, posture)
+    posture = np.where(mistaken, whose, posture)
     follow[:, posture] = -1
-    return np.asarray(linear_sum_assignment(-follow)[1])
+    return posture, np.asarray(linear_sum_assignment(-follow[posture])[1])
 
 
 def _others(motors: FloatArray, senses: int) -> list[FloatArray]:

@@ -107,9 +107,7 @@ class SimulatedBody:
         shaken = np.sqrt(2) * noise / tick_s
         channels = (
             Channel("angle", "angle", both, self.joints, low, high, noise=noise, pulses=float(np.rad2deg(pulses))),
-            Channel(
-                "speed", "speed", paces, self.joints, -speed, speed, (), np.sqrt(2) * noise / tick_s, suffix="speed"
-            ),
+            Channel("speed", "speed", paces, self.joints, -speed, speed, (), shaken, suffix="speed"),
             *(channel for channel, _ in self._sensors),
         )
         count, felt = len(self.joints), len(Senses(channels))

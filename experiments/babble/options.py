@@ -17,7 +17,7 @@ class Config(BodyOptions):
     """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF;
     biclops babbles with its eyes, as `imitate saccades` does, and leaves a folder."""
     babbling_minutes: Minutes = BABBLING_MINUTES
-    """Body-minutes of babbling, over all copies."""
+    """Body-minutes of babbling in all: over all copies, the pilot counted."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
 

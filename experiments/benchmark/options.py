@@ -61,7 +61,7 @@ class Config(Options):
     models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:12]
     """Who imitates; average_mean and average_matching (other rules of selection) only when asked for."""
     babbling_minutes: Minutes = BABBLING_MINUTES
-    """Body-minutes of babbling."""
+    """Body-minutes of babbling in all: over all copies, the pilot counted."""
     attempts: Annotated[int, some] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
     curve: bool = False

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from babbling.pilot import pilot_minutes
 from experiments.benchmark import figures
 from experiments.benchmark import maze as maze_benchmark
 from experiments.benchmark.kept import lived
 from experiments.benchmark.lives import Clips, Point, Task
 from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
 from experiments.shared.experiment import Result
-from experiments.shared.minds import body_of
+from experiments.shared.minds import COPIES, body_of
 from experiments.shared.parallel import in_parallel
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
@@ -34,7 +35,13 @@ def run(config: Config) -> Result:
     seeds = range(config.seed, config.seed + config.seeds)
     task = partial(Task, config, clips=clips)
     tasks = [
-        task(body, seed, models=models, stops=(config.babbling_minutes,), attempts=config.attempts)
+        task(
+            body,
+            seed,
+            models=models,
+            stops=(config.babbling_minutes - pilot_minutes(COPIES),),
+            attempts=config.attempts,
+        )
         for body in config.bodies
         for seed in seeds
     ]

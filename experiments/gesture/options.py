@@ -35,7 +35,7 @@ class Config(BodyOptions, MirrorOptions):
     attempts: Annotated[int, some] = 1
     """How often to try; each attempt corrects what the one before missed."""
     babbling_minutes: Minutes = BABBLING_MINUTES
-    """Body-minutes of babbling, over all copies."""
+    """Body-minutes of babbling in all: over all copies, the pilot counted."""
     forward_model: ToRead | None = None
     """A forward model that `imitate babble` left; no babbling then."""
     body_image: ToRead | None = None

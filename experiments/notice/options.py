@@ -29,6 +29,6 @@ class Config(BodyOptions):
     learners: Annotated[int, some] = 1
     """Seeds of those that count on; HOAP-2 only."""
     babbling_minutes: Minutes = BABBLING_MINUTES
-    """Body-minutes of babbling."""
+    """Body-minutes of babbling in all: over all copies, the pilot counted."""
     forward_model: ToRead | None = None
     """A forward model that `imitate babble` left; no babbling then, but by those that count on."""

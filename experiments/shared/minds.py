@@ -13,7 +13,7 @@ from babbling.files import load, save
 from babbling.kinds import Numbers, kind
 from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
-from babbling.pilot import Pilot, begin
+from babbling.pilot import Pilot, begin, pilot_minutes
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
@@ -22,7 +22,8 @@ from models.body import SimulatedBody
 from models.loading import load_body
 from models.units import SHOWN
 
-COPIES = 8
+COPIES, PILOT_SHARE = 8, 0.6
+"""Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
 
 
@@ -99,26 +100,30 @@ def learn_mind(
 
     Args:
         options: the body.
-        minutes: body time of the main babble.
+        minutes: body time in all, the pilot's counted.
         report: progress, 0 to 1.
         checkpoint: where to keep what was learned so far after every bout; an interrupted babble goes on from there and
             ends with the same mind.
     """
-    body = body_of(options, COPIES)
-    plan = bouts(minutes, body)
+    copies = copies_for(minutes)
+    body = body_of(options, copies)
+    left = minutes - pilot_minutes(copies)
+    plan = bouts(left, body) if left * 60 > body.tick_s * copies else ()
     started = time.perf_counter()
     found, model, first = _resume(checkpoint, body, options, minutes, plan)
     if found is None:
         found, model = begin(body, options.seed)
     piloted = time.perf_counter() - started
     held_out = HeldOut(options, found)
-    spent = 0.0
+    spent = 1e-9
+    if not plan:  # the pilot is all there is
+        held_out.note(0.0, model)
     clock = time.perf_counter()
 
     def after_bout(done: int, model: Explanations) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
-        held_out.note(sum(plan[:done]) * COPIES * body.tick_s / 60, model)
+        held_out.note(sum(plan[:done]) * copies * body.tick_s / 60, model)
         if checkpoint is not None and done < len(plan):
             mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
             save(Interrupted(mind, minutes, options.sensor_noise_deg, done), checkpoint)
@@ -134,19 +139,32 @@ def learn_mind(
     ticks, curve = sum(plan[first:]), held_out.curve()
     metrics = {
         "babbling_transitions": model.transitions,
-        "babbling_body_minutes": sum(plan) * COPIES * body.tick_s / 60,
+        "babbling_body_minutes": sum(plan) * copies * body.tick_s / 60,
         "pilot_body_minutes": found.minutes,
         "babbling_wall_s": spent,
         "pilot_wall_s": piloted,
         "babbling_outside": int(model.outside.sum()),
         "babbling_efficiency_factor": ticks / spent / bare_rate(body, found, np.random.default_rng([options.seed, 6])),
-        "steps_per_second_factor": ticks * COPIES * body.substeps / spent,
+        "steps_per_second_factor": ticks * copies * body.substeps / spent,
         "learning_curve_body_minutes": curve.minutes,
         f"learning_curve_table_{curve.unit}": curve.table,
         f"learning_curve_linear_{curve.unit}": curve.line,
         "explanations": dict(zip(EXPLANATIONS, model.weights.mean(0).tolist(), strict=True)),
     }
     return Learned(mind, metrics, curve)
+
+
+def copies_for(minutes: float) -> int:
+    """How many bodies babble so long at once.
+
+    Raises:
+        ExperimentError: less than one body's pilot takes.
+    """
+    if minutes < pilot_minutes(1):
+        raise ExperimentError(
+            f"--babbling-minutes {minutes:g}: finding out what there is to move takes {pilot_minutes(1):.2f}"
+        )
+    return int(np.clip(PILOT_SHARE * minutes / pilot_minutes(1), 1, COPIES))
 
 
 def bare_rate(body: SimulatedBody, found: Pilot, rng: np.random.Generator, ticks: int = BARE_TICKS) -> float:
