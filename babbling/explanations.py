@@ -13,7 +13,7 @@ world is not a line the table does. Lines are conjugate Gaussian, the table is D
 integers, so what was learned apart is merged by adding.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, NamedTuple
 
@@ -34,6 +34,8 @@ BLOCK = 512
 """Experience is foretold and counted in blocks of at least so many transitions, and of a quarter of what is known."""
 SURPRISE = 36.0
 """Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
+UNBELIEVED = 1e15
+"""Nats."""
 NOTICED = 1e-3
 """An explanation that is less probable is not asked."""
 _BEFORE, _OWN = len(BEFORE), len(COLUMNS)
@@ -51,7 +53,7 @@ class Explanations:
     """P(departure | rate, effort), on bent axes."""
     moments: Annotated[IntArray, Numbers("motor term term_", low=-(2.0**62), high=2.0**62)]
     """(F, C + 2 F + 1, C + 2 F + 1) `LinearGaussian.sums` of the columns and w."""
-    evidence: Annotated[FloatArray, Numbers("motor explanation", "nat", low=-1e15, high=1e15)]
+    evidence: Annotated[FloatArray, Numbers("motor explanation", "nat", low=-UNBELIEVED, high=UNBELIEVED)]
     """(F, E) log P_e, up to a constant."""
     squares: Annotated[FloatArray, Numbers("motor explanation", low=0, high=1e12)]
     """(F, E) sum of the squared errors of foretelling."""
@@ -121,6 +123,14 @@ class Explanations:
         self.squares += np.minimum(error, SURPRISE * variance).sum(0)
         self.foretold += len(outcome)
 
+    def by_line(self, where: BoolArray) -> "Explanations":
+        """The same, but that some factors (F,) are explained by the line of rate and action alone."""
+        if not where.any():
+            return self
+        evidence = self.evidence.copy()
+        evidence[where, 1:] = -UNBELIEVED
+        return replace(self, evidence=evidence)
+
     def merge(self, other: "Explanations") -> None:
         """Add what another one of the same pilot learned.
 
@@ -147,7 +157,7 @@ class Explanations:
         self._forget()
 
     def _forget(self) -> None:
-        for known in ("lines", "errors", "weights", "habit", "_averaged", "spread"):
+        for known in ("lines", "errors", "weights", "habit", "strayed", "_averaged", "spread"):
             vars(self).pop(known, None)
 
     # --------------------------------------------------------------- predicting
@@ -190,12 +200,18 @@ class Explanations:
 
     @cached_property
     def habit(self) -> tuple[FloatArray, FloatArray]:
-        """(F, BEFORE) weights of the line through the actions c - q that babbling took, and (F,) how far off it is."""
-        inputs = [name for name in BEFORE[1:] if name != "before"]
-        fit = self.sums.fit(["action"], inputs, RIDGE)
+        """(F, BEFORE) weights of the line through the actions c - q that babbling took at each rate, and (F,) how far
+        off it is. Where one babbled about the middle of one's range is a habit too, but none that others share."""
+        fit = self.sums.fit(["action"], ["rate"], RIDGE)
         line = np.zeros((len(self.factors), _BEFORE))
-        line[:, [0, *(COLUMNS.index(name) for name in inputs)]] = fit.coefficients[:, 0]
+        line[:, [0, COLUMNS.index("rate")]] = fit.coefficients[:, 0]
         return line, np.sqrt(fit.covariance[:, 0, 0])
+
+    @cached_property
+    def strayed(self) -> FloatArray:
+        """(F,) how far babbling's actions were off all that posture and pace foretell of them."""
+        told = [name for name in BEFORE[1:] if name != "before"]
+        return np.asarray(np.sqrt(self.sums.fit(["action"], told, RIDGE).covariance[:, 0, 0]))
 
     @property
     def slope(self) -> FloatArray:

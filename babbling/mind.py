@@ -23,12 +23,16 @@ class Temper:
     """(F,) share of the believed error to be undone within one tick, found by rehearsal
     (`imitation.acting.rehearsal`)."""
     trust: Annotated[FloatArray, Numbers("motor", low=0, high=100)]
-    """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior."""
+    """(F,) exponent of the habit P(a | s) as the prior of Eq. (1): 1 trusts it, 0 is the uniform prior; found by
+    rehearsal too."""
+    simple: Annotated[FloatArray, Numbers("motor", low=0, high=1)]
+    """(F,) 1 where the line alone is asked what to do, 0 where all explanations are: one may foretell better and yet be
+    of no use backwards (where most of an action's effect comes a tick later, its inverse rings); rehearsal tells."""
 
     @classmethod
     def cautious(cls, factors: int) -> "Temper":
         """Before any rehearsal: half the error, little trust in habit."""
-        return cls(np.full(factors, 0.5), np.full(factors, 0.1))
+        return cls(np.full(factors, 0.5), np.full(factors, 0.1), np.zeros(factors))
 
 
 @kind("mind", "make one with `imitate babble`")

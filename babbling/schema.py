@@ -143,7 +143,7 @@ def find_schema(
 
 def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> tuple[IntArray, IntArray]:
     """(F,) posture and rate senses: those that go with the postures' own changes. Where a "posture" goes with another
-    sense's changes, more than any goes with its own, it was the rate of that one."""
+    sense's changes (r > 0.5), more than any goes with its own, it was the rate of that one."""
     change = (np.diff(senses, axis=0) / tick_s).reshape(-1, senses.shape[-1])
     level = senses[1:].reshape(-1, senses.shape[-1])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -151,7 +151,7 @@ def _rates(senses: FloatArray, posture: IntArray, tick_s: float) -> tuple[IntArr
         follow = np.nan_to_num(both / np.outer(change.std(0), level.std(0)))
     np.fill_diagonal(follow, -1)
     whose = follow[:, posture].argmax(0)
-    mistaken = (follow[whose, posture] > follow[posture].max(1)) & ~np.isin(whose, posture)
+    mistaken = (follow[whose, posture] > np.maximum(follow[posture].max(1), 0.5)) & ~np.isin(whose, posture)
     posture = np.where(mistaken, whose, posture)
     follow[:, posture] = -1
     return posture, np.asarray(linear_sum_assignment(-follow[posture])[1])

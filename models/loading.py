@@ -10,7 +10,7 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.files import checked
 from models.robots import ROBOTS, Robot, find
-from models.servos import PULLS, resting, servos
+from models.servos import PULLS, servos
 from models.standing import Individuals, StandingBody
 from models.wear import ball_radius
 
@@ -48,7 +48,7 @@ def load_body(
     text = str(name_or_path)
     robot = find(text) or Robot(Path(text), text)
     model = compiled(robot)
-    given = servos(model, text, give=give_servos, rest=resting(model))
+    given = servos(model, text, give=give_servos)
     body = SimulatedBody(
         model,
         name=text,

@@ -128,14 +128,13 @@ def posed(model: mujoco.MjModel, motors: Sequence[Motor], rest: FloatArray, posi
     return found
 
 
-def servos(model: mujoco.MjModel, name: str, *, give: bool = False, rest: FloatArray) -> dict[str, Gains]:
+def servos(model: mujoco.MjModel, name: str, *, give: bool = False) -> dict[str, Gains]:
     """See that every actuator is a position servo on joints of its own and bring it to normal form, in place.
 
     Args:
         model: compiled; its motors are rewritten where they are not in normal form.
         name: of the body, for errors.
         give: whether motors that have only torque (or a speed servo) get position servos.
-        rest: (nq,) configuration that it rests in.
 
     Returns:
         Joint -> gains of those that were given.
@@ -155,7 +154,7 @@ def servos(model: mujoco.MjModel, name: str, *, give: bool = False, rest: FloatA
         bare = _bare(model, i, said, give)
         _limit(model, i, moved, said)
         if bare:
-            given[moved.name] = _give(model, i, moved, rest)
+            given[moved.name] = _give(model, i, moved)
         else:
             _normal(model, i, moved, said)
     if given:  # explicit steps would have to be far shorter where a light joint sits on a heavy one
@@ -222,10 +221,10 @@ def _normal(model: mujoco.MjModel, i: int, moved: Motor, said: str) -> None:
         model.actuator_ctrllimited[i] = 1
 
 
-def _give(model: mujoco.MjModel, i: int, moved: Motor, rest: FloatArray) -> Gains:
+def _give(model: mujoco.MjModel, i: int, moved: Motor) -> Gains:
     gear, gain = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0]
     data = mujoco.MjData(model)
-    data.qpos[:] = rest
+    data.qpos[:] = resting(model)
     mujoco.mj_forward(model, data)
     full, way = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
     mujoco.mj_fullM(model, data, full)

@@ -34,12 +34,13 @@ def run(config: Config) -> Result:
     clips = watched(config)
     seeds = range(config.seed, config.seed + config.seeds)
     task = partial(Task, config, clips=clips)
+    babbling = config.babbling_minutes - pilot_minutes(COPIES)
     tasks = [
         task(
             body,
             seed,
             models=models,
-            stops=(config.babbling_minutes - pilot_minutes(COPIES),),
+            stops=(babbling,),
             attempts=config.attempts,
         )
         for body in config.bodies

@@ -116,8 +116,6 @@ def learn_mind(
     piloted = time.perf_counter() - started
     held_out = HeldOut(options, found)
     spent = 1e-9
-    if not plan:  # the pilot is all there is
-        held_out.note(0.0, model)
     clock = time.perf_counter()
 
     def after_bout(done: int, model: Explanations) -> None:
@@ -133,6 +131,8 @@ def learn_mind(
 
     body.reseed(1 + first)
     model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    if not plan:  # the pilot is all there is
+        held_out.note(0.0, model)
     mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
     mind = rehearse(body_of(options, REHEARSERS, stream=1), mind, options.seed)
     report(1.0)
@@ -162,7 +162,7 @@ def copies_for(minutes: float) -> int:
     """
     if minutes < pilot_minutes(1):
         raise ExperimentError(
-            f"--babbling-minutes {minutes:g}: finding out what there is to move takes {pilot_minutes(1):.2f}"
+            f"--babbling-minutes {minutes:g}: to find out what there is to move takes {pilot_minutes(1):.2f} alone"
         )
     return int(np.clip(PILOT_SHARE * minutes / pilot_minutes(1), 1, COPIES))
 

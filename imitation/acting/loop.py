@@ -122,7 +122,7 @@ class Imitator:
     ) -> None:
         self.mind, self.tick_s, goals = mind, movement.tick_s, movement.postures(mind.pilot.schema)
         self.goals = goals if goals.ndim == 3 else goals[:, None]  # (T, 1 or B, F)
-        self.inverse = inverse or AveragedInverse(mind.forward_model, selection, trust=mind.temper.trust)
+        self.inverse = inverse or AveragedInverse.of(mind, selection)
         self.eagerness = np.asarray(mind.temper.eagerness if eagerness is None else eagerness, float)
         self.terms = terms
         self.estimate = StateEstimate(mind.pilot.schema, mind.pilot.dynamics)

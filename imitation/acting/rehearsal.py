@@ -1,8 +1,8 @@
 """Rehearsal: a mind tries itself on movements of its own before it imitates somebody else's.
 
-How eagerly an error may be undone depends on the body: a worn joint that is pushed too hard starts to hunt, a fresh one
-that is held back lags. The mind performs made-up movements with every candidate and keeps, joint by joint, what felt
-closest. It judges by its own senses alone.
+How eagerly an error may be undone, and how far habit is trusted, depends on the body: a worn joint that is pushed too
+hard starts to hunt, a fresh one that is held back lags. The mind performs made-up movements with every candidate and
+keeps, joint by joint, what felt closest. It judges by its own senses alone.
 """
 
 from dataclasses import replace
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from babbling.axes import FloatArray
 from babbling.body import Body
 from babbling.exploration import smooth
-from babbling.mind import Mind
+from babbling.mind import Mind, Temper
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement, together
 from imitation.inference.moving import AveragedInverse, MovingInverse
@@ -22,6 +22,11 @@ EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Candidates, one per copy of the body, the calmest first."""
 CALM = 1.15
 """The calmest candidate within this factor of the best is kept: what is eager enough today may hunt tomorrow."""
+OTHERWISE = ((1.0, 0.0), (1.0, 1.0))
+"""Trust in habit, and whether the line alone is asked, that are tried beside a mind's own: Eq. (1) with its whole
+prior, over all explanations and over the line, which of little experience is the best one can do."""
+CLOSER = 1.05
+"""They are kept where they feel closer by more than this factor."""
 REHEARSAL_S, MOVEMENTS = 10.0, 2
 REHEARSERS = MOVEMENTS * len(EAGERNESS)
 PACE = 0.5
@@ -67,8 +72,17 @@ def rehearse(body: Body, mind: Mind, seed: int) -> Mind:
         mind: what babbling learned.
         seed: randomness of the made-up movement.
     """
-    inverse = AveragedInverse(mind.forward_model, trust=mind.temper.trust)
-    return replace(mind, temper=replace(mind.temper, eagerness=best_eagerness(body, mind, inverse, seed)))
+    temper, felt = mind.temper, np.full(len(mind.temper.trust), np.inf)
+    for trust, simple in ((temper.trust, temper.simple), *OTHERWISE):
+        other = Temper(temper.eagerness, *np.broadcast_arrays(trust, simple, felt)[:2])
+        errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other)), seed)
+        chosen = calmest(errors)
+        best = errors[chosen, np.arange(len(chosen))]
+        better = best * CLOSER < felt
+        tried = np.array([np.array(EAGERNESS)[chosen], other.trust, other.simple])
+        temper = Temper(*np.where(better, tried, [temper.eagerness, temper.trust, temper.simple]))
+        felt = np.where(better, best, felt)
+    return replace(mind, temper=temper)
 
 
 def best_eagerness(body: Body, mind: Mind, inverse: MovingInverse, seed: int) -> FloatArray:

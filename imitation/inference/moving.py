@@ -16,6 +16,7 @@ import numpy as np
 from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.explanations import Explanations, Outlook
 from babbling.features import Echo
+from babbling.mind import Mind
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.inverse import Term
 from imitation.inference.selection import select_mean, selection_rule
@@ -98,6 +99,12 @@ class AveragedInverse:
         self._places = Axis("candidate", "1", np.zeros(1), np.array([candidates - 1.0]), candidates)
         self.forward_model, self.rule = forward_model, selection_rule(selection)
         self.trust, self.prior = np.asarray(trust, float), prior or self.habit
+
+    @classmethod
+    def of(cls, mind: Mind, selection: str = "map", candidates: int = CANDIDATES) -> "AveragedInverse":
+        """As a mind's temper has it."""
+        temper = mind.temper
+        return cls(mind.forward_model.by_line(temper.simple > 0), selection, trust=temper.trust, candidates=candidates)
 
     def habit(self, outlook: Outlook, actions: FloatArray) -> FloatArray:
         """h log P(a | s): a Gaussian about the line through what babbling did."""
