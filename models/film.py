@@ -1,8 +1,8 @@
 """A body as it moves, in pictures without any graphics library: rays against its shapes, and a ghost over it.
 
 A ray goes through every pixel that a shape's bounding box may cover, several through pixels at an edge; what is met is
-shaded by Lambert's law. A ghost is the same body in another configuration, seen through: it shows where it stands before the
-body, or beside it, by more than `THIN`, so that a body which is where its ghost is looks like itself.
+shaded by Lambert's law. A ghost is the same body in another configuration, seen through: it shows beside the body and,
+by more than `THIN`, before it; a body that is where its ghost is looks like itself.
 """
 
 from collections.abc import Sequence
@@ -70,7 +70,7 @@ def view_of(points: FloatArray, width: int, height: int) -> View:
         distance = float((np.abs(away[:, :2]) / slope + away[:, 2:]).max(initial=1e-3))  # the nearest that shows all
         across = away[:, :2] / (distance - away[:, 2:])
         middle[:2] += distance * (across.min(0) + across.max(0)) / 2
-    return View(axes @ (middle + [0, 0, distance]), axes, width, height)
+    return View(axes @ middle + distance * back, axes, width, height)
 
 
 class Filmed:

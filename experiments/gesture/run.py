@@ -16,8 +16,8 @@ from experiments.gesture.recording import record
 from experiments.gesture.standing import stand, take_balance
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
-from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.film import filmed
+from experiments.shared.judging import ringing_deg, rmse_deg
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
@@ -40,10 +40,9 @@ def run(config: Config) -> Result:
     done = perform(config)
     metrics = measure(done)
     summary = summarise(metrics, done.seen)
-    shown = (done.imitated, done.seen.angles)
-    files = left(done.trajectories, csv=config.csv) | filmed(
-        config.film, done.title, done.body, *map(done.body.configurations, shown), done.seen.teacher
-    )
+    imitated, demonstrated = (done.body.configurations(angles) for angles in (done.imitated, done.seen.angles))
+    files = left(done.trajectories, csv=config.csv)
+    files |= filmed(config.film, done.title, done.body, imitated, demonstrated, done.seen.teacher)
     return Result(metrics, summary, figures(done, metrics), lambda path: record(path, done, summary), files)
 
 

@@ -1,7 +1,8 @@
-"""A short film of an imitation: the imitator, a ghost where the demonstration has it otherwise, the teacher beside it."""
+"""A short film: the imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."""
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from importlib import import_module
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -76,8 +77,7 @@ def frames(
 
 def write_mp4(path: Path, pictures: Iterator[Image.Image]) -> None:
     """H.264 where PyAV has it, otherwise MPEG-4."""
-    import av  # an extra; heavy
-
+    av: Any = import_module("av")  # an extra
     codec = "libx264" if "libx264" in av.codecs_available else "mpeg4"
     with av.open(str(path), "w") as film:
         stream = film.add_stream(codec, rate=Fraction(FRAMES_S), options={"crf": "20"} if codec == "libx264" else {})

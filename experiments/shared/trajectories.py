@@ -45,18 +45,18 @@ def labelled(
     }
     found = xr.Dataset(arrays, attrs={"format": KIND, "Conventions": "CF-1.11", **notes})
     coordinates = {
-        "time": ("time", np.arange(found.sizes["time"]) * tick_s, {"units": "s", "long_name": "since the movement began"}),
+        "time": ("time", np.arange(found.sizes["time"]) * tick_s, {"units": "s", "long_name": "since it began"}),
         "joint": ("joint", np.array(joints, str), {"long_name": "name of the joint"}),
         "unit": ("joint", np.array(units, str), {"long_name": "in which this joint's numbers are"}),
     }
-    if "attempt" in found.sizes:
-        coordinates["attempt"] = ("attempt", np.arange(1, found.sizes["attempt"] + 1), {"long_name": "first, second ..."})
+    for dim in {"attempt", "sequence"} & set(found.sizes):
+        coordinates[dim] = (dim, np.arange(1, found.sizes[dim] + 1), {"long_name": "first, second ..."})
     return found.assign_coords(coordinates)
 
 
 def trajectories(
     body: SimulatedBody,
-    postures: Sequence[int],
+    order: IntArray,
     shown: Mapping[str, tuple[FloatArray, str]],
     attempts: Sequence[tuple[FloatArray, Mapping[str, NDArray[Any]]]],
     **notes: Any,
@@ -65,56 +65,54 @@ def trajectories(
 
     Args:
         body: who imitates.
-        postures: (F,) sense line of each factor's posture.
+        order: (J,) factor of each joint, -1 where babbling found none.
         shown: (T, J) joint angles by name, and what they are in words; the first are the sub-goals.
         attempts: of each (T, J) true joint angles and the fields of `Info` through the time that there were any, 1 tick
             to T; the rest of it is not a number.
         notes: see `labelled`.
     """
     units, factor = peoples(body)
-    count, labels = len(next(iter(shown.values()))[0]), [body.sense_labels[line] for line in postures]
-    order = np.array([labels.index(joint) if joint in labels else -1 for joint in body.joints])
-    whole, rate = (" and ".join(dict.fromkeys(f"{unit}{per}" for unit in units)) for per in ("", "/s"))
+    count, (posture, rate) = (
+        len(next(iter(shown.values()))[0]),
+        (" and ".join(dict.fromkeys(f"{unit}{per}" for unit in units)) for per in ("", "/s")),
+    )
 
     def by_joint(values: NDArray[Any], scale: FloatArray | float = 1.0) -> NDArray[Any]:
         """(T, J, ...) of (t, F, ...): nothing where no choice was made, or babbling did not find the joint."""
-        yes_or_no = values.dtype == bool
-        found = np.full((count, len(order), *values.shape[2:]), NEVER if yes_or_no else np.nan, "i1" if yes_or_no else "f4")
-        found[: len(values)] = np.where(
-            (order < 0).reshape(-1, *(1 for _ in values.shape[2:])), found[: len(values)], values[:, order] * scale
-        )
+        fill, kind = (NEVER, "i1") if values.dtype == bool else (np.nan, "f4")
+        found = np.full((count, len(order), *values.shape[2:]), fill, kind)
+        found[: len(values), order >= 0] = (values[:, order] * scale)[:, order >= 0]
         return found
 
-    def tries(values: Callable[[Mapping[str, NDArray[Any]]], NDArray[Any]], unit: str, about: str) -> Track:
-        own = factor if unit in (whole, rate) else 1
-        return TRIES, np.stack([by_joint(values(info), own) for _, info in attempts]), unit, about
+    def tries(name: str, about: str, unit: str = "1", which: int = 0) -> Track:
+        """A field of every attempt: of copy 0, and if there are several numbers of each joint, this one."""
+        each = [info[name][:, 0] for _, info in attempts]
+        scale = factor if unit in (posture, rate) else 1.0
+        values = [by_joint(one[..., which] if one.ndim == 3 else one, scale) for one in each]
+        return TRIES, np.stack(values), unit, about
 
-    last = attempts[-1][1]
+    last, no_choice = attempts[-1][1], f"; {NEVER}: there was no choice"
+    untried = np.stack([by_joint(info["familiarity"] < 1) for _, info in attempts])
     tracks: dict[str, Track] = {
-        name: (TRIES[1:], np.asarray(angles * factor, "f4"), whole, about) for name, (angles, about) in shown.items()
+        name: (TRIES[1:], (angles * factor).astype("f4"), posture, about) for name, (angles, about) in shown.items()
     }
-    done = np.stack([angles * factor for angles, _ in attempts]).astype("f4")
+    imitated = np.stack([angles * factor for angles, _ in attempts]).astype("f4")
     tracks |= {
-        "imitated": (TRIES, done, whole, "true posture of the imitator"),
-        "commanded": tries(lambda info: info["commands"][:, 0], whole, "commanded posture (efference copy)"),
-        "believed": tries(lambda info: info["believed"][:, 0, :, 0], whole, "believed posture"),
-        "believed_rate": tries(lambda info: info["believed"][:, 0, :, 1], rate, "believed rate"),
-        "believed_bias": tries(lambda info: info["believed"][:, 0, :, 2], whole, "believed bias"),
-        "origin": tries(lambda info: info["origin"][:, 0], whole, "posture from which actions are counted"),
-        "entropy": tries(lambda info: info["entropy"][:, 0], "bit", "entropy of Eq. (1)'s posterior"),
-        "evidence": tries(lambda info: info["evidence"][:, 0], "1", "evidence of Eq. (1), its normaliser"),
-        "never_tried": tries(lambda info: info["familiarity"] < 1, "1", f"never tried here while babbling; {NEVER}: no choice"),
-        "uninformed": tries(lambda info: info["uninformed"][:, 0], "1", f"asked beyond the table's axes; {NEVER}: no choice"),
-        "action": (
-            CHOICES,
-            by_joint(last["candidates"], factor[:, None]).round(6),
-            whole,
-            "actions weighed in the last attempt: commanded posture less `origin`",
-        ),
-        "posterior": (
-            CHOICES, by_joint(last["posterior"]).round(6), "1", "P(action) of Eq. (1) in the last attempt, to 6 decimals"
-        ),
-    }  # fmt: skip
+        "imitated": (TRIES, imitated, posture, "true posture of the imitator"),
+        "commanded": tries("commands", "commanded posture (efference copy)", posture),
+        "believed": tries("believed", "believed posture", posture, 0),
+        "believed_rate": tries("believed", "believed rate", rate, 1),
+        "believed_bias": tries("believed", "believed bias", posture, 2),
+        "origin": tries("origin", "posture from which actions are counted", posture),
+        "entropy": tries("entropy", "entropy of the posterior of Eq. (1)", "bit"),
+        "evidence": tries("evidence", "evidence of Eq. (1), its normaliser"),
+        "never_tried": (TRIES, untried, "1", f"action never tried here while babbling{no_choice}"),
+        "uninformed": tries("uninformed", f"asked beyond the axes of the table{no_choice}"),
+    }
+    actions, probable = by_joint(last["candidates"], factor[:, None]), by_joint(last["posterior"])
+    about = "actions weighed in the last attempt: commanded posture less `origin`"
+    tracks["action"] = (CHOICES, actions.round(6), posture, about)
+    tracks["posterior"] = (CHOICES, probable.round(6), "1", "P(action) of Eq. (1) in the last attempt, to 6 decimals")
     return labelled(body.joints, units, body.tick_s, tracks, **notes)
 
 
