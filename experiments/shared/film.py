@@ -1,6 +1,6 @@
 """A short film: the imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from importlib import import_module
 from itertools import chain
@@ -20,8 +20,9 @@ from models.teachers.performance import Performance
 
 FRAMES_S = 12.5
 """Pictures a second: every fourth tick of 20 ms, and whole hundredths of a second, as a GIF has them."""
-WIDTH, HEIGHT = 480, 360
-COLOURS = 64
+SIZES = {"mp4": (480, 360), "gif": (400, 300)}
+"""Pixels across and down, by kind of film."""
+COLOURS = 32
 """Of a GIF."""
 POINTS = 200
 """Moments at which it is looked how far everything reaches."""
@@ -49,17 +50,23 @@ def filmed(
         return {}
     make = {"mp4": write_mp4, "gif": write_gif}[kind]
     figure = None if teacher is None else (stick_figure(teacher, len(imitated), body.tick_s), teacher.bones)
-    return {f"film.{kind}": lambda path: make(path, frames(title, body, imitated, demonstrated, figure))}
+    return {f"film.{kind}": lambda path: make(path, frames(title, body, imitated, demonstrated, figure, SIZES[kind]))}
 
 
 def frames(
-    title: str, body: SimulatedBody, imitated: FloatArray, demonstrated: FloatArray, figure: Any
+    title: str,
+    body: SimulatedBody,
+    imitated: FloatArray,
+    demonstrated: FloatArray,
+    figure: tuple[FloatArray, Sequence[tuple[int, int]]] | None,
+    size: tuple[int, int],
 ) -> Iterator[Image.Image]:
-    """Pictures one after the other; `figure` is the teacher's (T, K, 3) points and its bones, or None."""
+    """Pictures one after the other, so many pixels across and down; `figure`: the teacher's (T, K, 3) points and its
+    bones."""
     scene, count = Filmed(body.model, GROUND, DEMONSTRATED), len(imitated)
     some = range(0, count, max(1, count // POINTS))
     reach = [scene.corners(one[t]).reshape(-1, 3) for one in (imitated, demonstrated) for t in some]
-    view = view_of(np.concatenate(reach + ([] if figure is None else [figure[0].reshape(-1, 3)])), WIDTH, HEIGHT)
+    view = view_of(np.concatenate(reach + ([] if figure is None else [figure[0].reshape(-1, 3)])), *size)
     total = max(1, int(count * body.tick_s * FRAMES_S))
     with progress("filming") as report:
         for number in range(total):
@@ -70,7 +77,7 @@ def frames(
                 places = view.pixels(figure[0][t])
                 for one, other in figure[1]:
                     pen.line([*places[one], *places[other]], fill=DEMONSTRATED, width=3)
-            pen.text((8, HEIGHT - 18), f"{title}, {number / FRAMES_S:.1f} s", fill=(220, 220, 220))
+            pen.text((8, size[1] - 18), f"{title}, {number / FRAMES_S:.1f} s", fill=(220, 220, 220))
             yield picture
             report((number + 1) / total)
 
@@ -81,7 +88,7 @@ def write_mp4(path: Path, pictures: Iterator[Image.Image]) -> None:
     codec = "libx264" if "libx264" in av.codecs_available else "mpeg4"
     with av.open(str(path), "w") as film:
         stream = film.add_stream(codec, rate=Fraction(FRAMES_S), options={"crf": "20"} if codec == "libx264" else {})
-        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        (stream.width, stream.height), stream.pix_fmt = SIZES["mp4"], "yuv420p"
         for picture in pictures:
             film.mux(stream.encode(av.VideoFrame.from_image(picture)))
         film.mux(stream.encode())

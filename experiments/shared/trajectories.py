@@ -49,8 +49,7 @@ def labelled(
         "joint": ("joint", np.array(joints, str), {"long_name": "name of the joint"}),
         "unit": ("joint", np.array(units, str), {"long_name": "in which this joint's numbers are"}),
     }
-    for dim in {"attempt", "sequence"} & set(found.sizes):
-        coordinates[dim] = (dim, np.arange(1, found.sizes[dim] + 1), {"long_name": "first, second ..."})
+    coordinates["attempt"] = ("attempt", np.arange(1, found.sizes["attempt"] + 1), {"long_name": "first, second ..."})
     return found.assign_coords(coordinates)
 
 
@@ -72,10 +71,8 @@ def trajectories(
         notes: see `labelled`.
     """
     units, factor = peoples(body)
-    count, (posture, rate) = (
-        len(next(iter(shown.values()))[0]),
-        (" and ".join(dict.fromkeys(f"{unit}{per}" for unit in units)) for per in ("", "/s")),
-    )
+    posture, rate = (" and ".join(dict.fromkeys(f"{unit}{per}" for unit in units)) for per in ("", "/s"))
+    count = len(next(iter(shown.values()))[0])
 
     def by_joint(values: NDArray[Any], scale: FloatArray | float = 1.0) -> NDArray[Any]:
         """(T, J, ...) of (t, F, ...): nothing where no choice was made, or babbling did not find the joint."""
@@ -111,8 +108,8 @@ def trajectories(
     }
     actions, probable = by_joint(last["candidates"], factor[:, None]), by_joint(last["posterior"])
     about = "actions weighed in the last attempt: commanded posture less `origin`"
-    tracks["action"] = (CHOICES, actions.round(6), posture, about)
-    tracks["posterior"] = (CHOICES, probable.round(6), "1", "P(action) of Eq. (1) in the last attempt, to 6 decimals")
+    tracks["action"] = (CHOICES, actions.round(5), posture, about)
+    tracks["posterior"] = (CHOICES, probable.round(5), "1", "P(action) of Eq. (1) in the last attempt, to 5 decimals")
     return labelled(body.joints, units, body.tick_s, tracks, **notes)
 
 
@@ -133,5 +130,4 @@ def write(found: xr.Dataset, path: Path) -> None:
 def tidy(found: xr.Dataset, path: Path) -> None:
     """A row for every attempt, time and joint; all but what has candidates."""
     table = found.drop_dims("candidate", errors="ignore")
-    order = [dim for dim in ("sequence", *TRIES) if dim in table.sizes]
-    table.to_dataframe(dim_order=order).to_csv(path, float_format="%.6g")
+    table.to_dataframe(dim_order=[*TRIES]).to_csv(path, float_format="%.6g")
