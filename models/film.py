@@ -25,8 +25,8 @@ SUN = np.array([-0.45, 0.75, 0.6]) / np.linalg.norm([-0.45, 0.75, 0.6])
 """To the light, in the onlooker's right, up and back."""
 AMBIENT, SEEN = 0.35, 0.45
 """Light without the sun; how much is seen of a ghost."""
-CENTRED = 5
-"""Times that a view is moved to its middle: what is nearer reaches further."""
+NEAREST = 0.01
+"""m that a camera is away from what is seen."""
 UNPAINTED = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
 """Colour of a geom for which MuJoCo takes its material's."""
 NEARLY_ALL = 1.08
@@ -58,19 +58,17 @@ class View(NamedTuple):
 
 
 def view_of(points: FloatArray, width: int, height: int) -> View:
-    """From where all of (N, 3) points are seen, as near as `FROM` allows."""
-    back = np.array(FROM) / np.linalg.norm(FROM)
-    right = np.cross((0.0, 0.0, 1.0), back)
+    """From where all of (N, 3) points are seen, as near as `FROM` allows; where there is none, the origin."""
+    points = points if len(points) else np.zeros((1, 3))
+    towards = np.array(FROM) / np.linalg.norm(FROM)
+    right = np.cross((0.0, 0.0, 1.0), towards)
     right /= np.linalg.norm(right)
-    axes = np.column_stack([right, np.cross(back, right), back])
+    axes = np.column_stack([right, np.cross(towards, right), towards])
     seen, slope = points @ axes, np.tan(FOVY / 2) * np.array([width / height, 1.0]) / NEARLY_ALL
-    middle = (seen.min(0) + seen.max(0)) / 2
-    for _ in range(CENTRED):
-        away = seen - middle
-        distance = float((np.abs(away[:, :2]) / slope + away[:, 2:]).max(initial=1e-3))  # the nearest that shows all
-        across = away[:, :2] / (distance - away[:, 2:])
-        middle[:2] += distance * (across.min(0) + across.max(0)) / 2
-    return View(axes @ middle + distance * back, axes, width, height)
+    across, back = seen[:, :2], slope * seen[:, 2:]
+    one, other = (across + back).max(0), (back - across).max(0)  # planes at the picture's sides that touch them
+    distance = max(((one + other) / 2 / slope).max(), seen[:, 2].max() + NEAREST)
+    return View(axes @ [*(one - other) / 2, distance], axes, width, height)
 
 
 class Filmed:

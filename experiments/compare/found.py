@@ -69,18 +69,17 @@ class Compared:
         """Number, run, (T,) s and (T,) root mean square error over the joints that all have."""
         if not self.joints:
             return []
-        return [(n, run, tracks.time, tracks.error(self.joints)) for n, run, tracks in self.tracked]
+        return [(n, run, tracks.time, tracks.of(self.joints).error) for n, run, tracks in self.tracked]
 
     @property
     def unit(self) -> str:
         """Of the errors."""
-        first = self.tracked[0][2]
-        return " and ".join(dict.fromkeys(first.units[first.joints.index(joint)] for joint in self.joints))
+        return " and ".join(dict.fromkeys(self.tracked[0][2].of(self.joints).units))
 
     @property
     def alike(self) -> bool:
-        """Whether all were shown the same."""
-        return len({tracks.demonstrated.tobytes() for _, _, tracks in self.tracked}) == 1
+        """Whether all were shown the same, as far as they share joints."""
+        return len({tracks.of(self.joints).demonstrated.tobytes() for _, _, tracks in self.tracked}) == 1
 
     @property
     def overall(self) -> dict[str, float]:

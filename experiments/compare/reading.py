@@ -45,10 +45,16 @@ class Tracks:
         """Joints by how much they move, most first."""
         return [self.joints[j] for j in np.argsort(-self.demonstrated.std(0), kind="stable")]
 
-    def error(self, joints: Sequence[str]) -> FloatArray:
-        """(T,) root mean square over these joints."""
+    def of(self, joints: Sequence[str]) -> "Tracks":
+        """Of these joints alone, in this order."""
         which = [self.joints.index(joint) for joint in joints]
-        return np.asarray(np.sqrt(np.mean((self.imitated - self.demonstrated)[:, which] ** 2, axis=1)))
+        units = tuple(self.units[j] for j in which)
+        return Tracks(self.time, tuple(joints), units, self.demonstrated[:, which], self.imitated[:, which])
+
+    @property
+    def error(self) -> FloatArray:
+        """(T,) root mean square over joints."""
+        return np.asarray(np.sqrt(np.mean((self.imitated - self.demonstrated) ** 2, axis=1)))
 
 
 @dataclass(frozen=True)

@@ -18,25 +18,24 @@ def record(path: Path, done: Compared, summary: str) -> None:
     """Write the recording."""
     name = " and ".join(run.label for run in done.runs)
     with recording(path, "imitate-compare", name, layout(done), summary) as stream:
-        for number, run, tracks in done.tracked:
-            own = light(COLOURS[number % len(COLOURS)])
+        for number, run, whole in done.tracked:
+            tracks, own = whole.of(done.joints), light(COLOURS[number % len(COLOURS)])
             shown = [("imitated", run.label, tracks.imitated, own, 1.5)]
-            if not done.alike or tracks is done.tracked[0][2]:
+            if not done.alike or whole is done.tracked[0][2]:
                 said = "demonstrated" if done.alike else f"demonstrated, {run.label}"
                 shown.insert(0, ("demonstrated", said, tracks.demonstrated, DEMONSTRATED, 3.0))
             for what, said, values, colour, width in shown:
-                for place, joint in enumerate(done.joints):
-                    series = values[:, tracks.joints.index(joint)]
+                for place, series in enumerate(values.T):
                     log_series(stream, f"joints/{place}/{what}/{number}", series, tracks.tick_s, said, colour, width)
-            log_series(stream, f"error/{number}", tracks.error(done.joints), tracks.tick_s, run.label, own)
+            log_series(stream, f"error/{number}", tracks.error, tracks.tick_s, run.label, own)
 
 
 def layout(done: Compared) -> rrb.Horizontal:
     """Table left; error and joints right."""
-    units = dict(zip(done.tracked[0][2].joints, done.tracked[0][2].units, strict=True))
+    shared = done.tracked[0][2].of(done.joints)
     joints = [
-        rrb.TimeSeriesView(name=f"{joint} [{units[joint]}]", origin=f"/joints/{place}")
-        for place, joint in enumerate(done.joints)
+        rrb.TimeSeriesView(name=f"{joint} [{unit}]", origin=f"/joints/{place}")
+        for place, (joint, unit) in enumerate(zip(shared.joints, shared.units, strict=True))
     ]
     error = rrb.TimeSeriesView(name=f"error, root mean square of all joints [{done.unit}]", origin="/error")
     more = [rrb.Tabs(*joints[SHOWN:], active_tab=0)] if joints[SHOWN:] else []

@@ -37,8 +37,12 @@ def run(config: Config) -> Result:
     if config.stand:
         balance = take_balance(config) if config.balance is not None else None
         return stand(config, *prepare(config), balance)
-    done = perform(config)
-    metrics = measure(done)
+    return judged(perform(config))
+
+
+def judged(done: Performed) -> Result:
+    """Numbers, figures, recording and files of what was done."""
+    config, metrics = done.config, measure(done)
     summary = summarise(metrics, done.seen)
     imitated, demonstrated = (done.body.configurations(angles) for angles in (done.imitated, done.seen.angles))
     files = left(done.trajectories, csv=config.csv)

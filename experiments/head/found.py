@@ -54,12 +54,9 @@ class Found(NamedTuple):
             "raw": (one.watched.raw, "the pose in each frame by itself"),
             "replayed": (one.replayed, "true posture where that is simply sent"),
         }
-        tracks: dict[str, Track] = {
-            name: (TRIES[1:], np.rad2deg(angles).astype("f4"), "degree", about)
-            for name, (angles, about) in told.items()
-        }
         imitated = np.rad2deg(one.imitated[None]).astype("f4")
-        tracks["imitated"] = (TRIES, imitated, "degree", "true posture of the imitator")
-        return labelled(
-            ("pan", "tilt"), ("degree", "degree"), TICK_S, tracks, title=f"{self.config.robot} imitates a head"
-        )
+        tracks: dict[str, Track] = {"imitated": (TRIES, imitated, "degree", "true posture of the imitator")}
+        for name, (angles, about) in told.items():
+            tracks[name] = TRIES[1:], np.rad2deg(angles).astype("f4"), "degree", about
+        title = f"{self.config.robot} imitates a head"
+        return labelled(("pan", "tilt"), ("degree", "degree"), TICK_S, tracks, title=title)
