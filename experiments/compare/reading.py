@@ -17,7 +17,8 @@ from babbling.variables import Variables
 from experiments.errors import ExperimentError
 from models.files import text
 
-LARGEST_JSON, LONGEST_NAME, LONGEST_VALUE, LONGEST_S, MOST = 1 << 24, 60, 40, 1e6, 1 << 23
+LARGEST_JSON, LARGEST_ARRAYS, LONGEST_S = 1 << 24, 1 << 28, 1e6
+LONGEST_NAME, LONGEST_VALUE = 60, 40
 TIMINGS = ("_s", "_ms", "_factor")
 """So end metrics that tell of the machine."""
 
@@ -128,18 +129,16 @@ def _tracks(path: Path) -> Tracks:
     """
     try:
         with opened(path) as file:
-            held = Variables(file)
+            held = Variables(file, LARGEST_ARRAYS)
             joints = held.words("joint")
             shown = tuple(plain(joint) for joint in joints)
             letters = held.numbers("unit", Numbers("joint letters"), "S1")
             time = held.numbers("time", Numbers("time", low=0, high=LONGEST_S), np.float64)
-            if len(time) * len(joints) > MOST or len(set(shown)) < len(shown):
-                raise BabblingError(f"more than {MOST} numbers, or joints of one name")
             demonstrated = held.numbers("demonstrated", Numbers("time joint"), np.float32)
             imitated = held.numbers("imitated", Numbers("attempt time joint"), np.float32)
             units = tuple(row.tobytes().rstrip(b"\0").decode(errors="replace") for row in letters)
-            if len(time) < 2 or not (np.diff(time) > 0).all() or not len(imitated) or not joints:
-                raise BabblingError("time does not go on, or nobody imitated")
+            if len(time) < 2 or not (np.diff(time) > 0).all() or not len(imitated) or len(set(shown)) < len(joints):
+                raise BabblingError("time does not go on, nobody imitated, or two joints have one name")
             return Tracks(time, shown, tuple(plain(unit, 20) for unit in units), demonstrated, imitated[-1])
     except BabblingError as error:
         raise ExperimentError(f"{path}: {error}") from error

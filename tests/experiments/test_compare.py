@@ -161,8 +161,8 @@ def test_arrays_that_cannot_be_are_refused_in_a_line(
 ) -> None:
     with h5py.File(two / "trajectories.nc", "r+") as file:
         CHANGES[name](file)
-    # HDF5 wrote before the seal's place; a stranger's file has none
-    assert "trajectories.nc" in refusal(capsys, one, two)
+    line = refusal(capsys, one, two)
+    assert "trajectories.nc" in line and ("are read of a file" in line or name != "endless")
 
 
 def test_garbled_arrays_are_found_out_by_their_seal(one: Path, two: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,10 +10,13 @@ import pytest
 import xarray as xr
 
 from babbling.files import opened
+from babbling.mind import Mind
 from experiments.__main__ import main
 from experiments.gesture.options import Config
 from experiments.gesture.run import judged, perform
 from experiments.shared.trajectories import peoples, trajectories
+from imitation.acting.loop import imitate
+from imitation.acting.movement import Movement
 from imitation.inference.bayes import entropy
 from models.loading import load_body
 
@@ -79,6 +82,16 @@ def test_the_posterior_lies_over_the_commands_that_were_weighed(arrays: xr.Datas
     step = arrays.action.diff("candidate").max("candidate")
     assert (np.abs(last.commanded - last.origin - best) <= step + 1e-4).all()
     assert (arrays.action.diff("candidate") > 0).all() and np.abs(best).max() > 1
+
+
+def test_a_command_is_where_actions_are_counted_from_and_the_action(arm: Path, arm_mind: Mind) -> None:
+    body = load_body(arm)
+    movement = Movement(
+        "a little", body.tick_s, body.sensations(0.3 * np.sin(np.arange(0, 1, 0.02))[:, None] + np.zeros(3))
+    )
+    [one] = imitate(body, movement, arm_mind, selection="mean", rng=np.random.default_rng(0))
+    mean = (one.posterior * one.candidates).sum(-1)
+    np.testing.assert_allclose(one.origin[:, 0] + mean, one.commands[:, 0], atol=1e-6)
 
 
 def test_the_table_says_the_same(arrays: xr.Dataset, done: Path) -> None:

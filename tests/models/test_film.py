@@ -70,6 +70,7 @@ def test_everything_is_in_the_picture_and_fills_it(size: tuple[int, int]) -> Non
 def test_a_body_where_its_ghost_is_looks_like_itself_and_elsewhere_both_are_seen() -> None:
     alone, same, other = picture(thing()), picture(thing(), 0.0, 0.0), picture(thing(), 0.0, 1.5)
     np.testing.assert_array_equal(alone, same)
+    assert (picture(thing(), 0.0, 0.004) != alone).any(-1).mean() < 0.02  # as good as there
     beside = (alone == GROUND).all(-1) & (other != GROUND).any(-1)
     assert beside.sum() > 20
     bluish = other[beside].astype(int) - GROUND
