@@ -29,9 +29,12 @@ class Compared:
 
     @cached_property
     def options(self) -> dict[str, list[str]]:
-        """Options (and the experiment) that are not the same in all runs: name -> what each was told."""
+        """Options (and the experiment) that are not the same in all runs: name -> what each was told; of different
+        experiments those that all have."""
         told = {"experiment": [run.experiment for run in self.runs]}
-        names = dict.fromkeys(name for run in self.runs for name in run.options)
+        names = list(dict.fromkeys(name for run in self.runs for name in run.options))
+        if len(set(told["experiment"])) > 1:
+            names = common([list(run.options) for run in self.runs])
         told |= {name: [run.options.get(name, "-") for run in self.runs] for name in names if name not in UNSAID}
         return {name: values for name, values in told.items() if len(set(values)) > 1}
 
