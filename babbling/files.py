@@ -61,8 +61,7 @@ def save(thing: object, path: Path, labels: Mapping[str, Sequence[str]] | None =
             held.finish()
             for dim, names in (labels or {}).items():
                 held.put(f"{dim}_name", (dim, f"{dim}_name_letters"), letters(names))
-        with beside.open("r+b") as content:
-            content.write(_seal(content.read()))
+        seal(beside)
         os.replace(beside, path)
     except BabblingError as error:
         raise kind.error(f"{path}: cannot be written: {error}") from error
@@ -82,7 +81,7 @@ def load(path: Path, holds: type[T]) -> T:
     """
     name, kind = _kind(holds)
     try:
-        with _opened(path) as file:
+        with opened(path) as file:
             found, version = _attribute(file, "format"), _attribute(file, "version")
             if found != f"{FORMAT} {name}":
                 raise BabblingError(f"this is not a file of kind '{FORMAT} {name}'; {kind.remedy}")
@@ -102,7 +101,7 @@ def load(path: Path, holds: type[T]) -> T:
 
 def is_kind(path: Path, holds: type) -> bool:
     """Whether a file is of this kind, of whatever version, by its header alone."""
-    with suppress(Exception), _opened(path) as file:
+    with suppress(Exception), opened(path) as file:
         return _attribute(file, "format") == f"{FORMAT} {_kind(holds)[0]}"
     return False
 
@@ -111,8 +110,12 @@ def _kind(holds: type) -> tuple[str, Kind]:
     return next((name, kind) for name, kind in KINDS.items() if kind.holds is holds)
 
 
-def _opened(path: Path) -> h5py.File:
-    """A regular file of bounded size."""
+def opened(path: Path) -> h5py.File:
+    """A regular file of bounded size, its checksum right where it has one.
+
+    Raises:
+        BabblingError: it is not, or no NetCDF-4.
+    """
     try:
         status = os.stat(path)
     except (OSError, ValueError) as error:
@@ -132,6 +135,12 @@ def _opened(path: Path) -> h5py.File:
         return h5py.File(path, "r")
     except Exception as error:
         raise BabblingError("not a readable NetCDF-4 file (truncated, or something else); make it anew") from error
+
+
+def seal(path: Path) -> None:
+    """Put its checksum behind the end of a file that is complete."""
+    with path.open("r+b") as content:
+        content.write(_seal(content.read()))
 
 
 def _seal(content: bytes | memoryview) -> bytes:

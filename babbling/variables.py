@@ -17,8 +17,8 @@ LARGEST_UNPACKED, LARGEST_PIECE, LARGEST_TEXT, MOST_PIECES = 1 << 32, 1 << 21, 1
 class Variables:
     """A file that is being written (h5netcdf) or read (h5py), and every check of what may be in it."""
 
-    def __init__(self, file: h5netcdf.File | h5py.File) -> None:
-        self.file, self.bytes = file, 0
+    def __init__(self, file: h5netcdf.File | h5py.File, largest: int = LARGEST_UNPACKED) -> None:
+        self.file, self.bytes, self.largest = file, 0, largest
         self.sizes: dict[str, int] = {}
         self.indices: list[tuple[str, int, str]] = []
 
@@ -51,8 +51,8 @@ class Variables:
         if not isinstance(data, h5py.Dataset) or data.external or data.is_virtual or data.dtype != dtype:
             raise BabblingError(f"{name} is missing, or not of type {dtype}")
         self.bytes += int(data.nbytes)
-        if self.bytes > LARGEST_UNPACKED or (dtype.kind == "S" and data.nbytes > LARGEST_TEXT):
-            raise BabblingError(f"{name} unpacks to {data.nbytes} bytes; {LARGEST_UNPACKED} are read of a file")
+        if self.bytes > self.largest or (dtype.kind == "S" and data.nbytes > LARGEST_TEXT):
+            raise BabblingError(f"{name} unpacks to {data.nbytes} bytes; {self.largest} are read of a file")
         if data.chunks is not None:  # a packed piece that is larger than it should be is unpacked before anyone looks
             pieces: list[int] = []
             if (count := data.id.get_num_chunks()) <= MOST_PIECES:

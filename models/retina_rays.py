@@ -71,7 +71,7 @@ class RayEye(Eye):
 
     def __init__(self, model: mujoco.MjModel, camera: str, options: RetinaOptions) -> None:
         super().__init__(model, camera, options)
-        self._rayed = _rayed(model)
+        self._rayed = rayed(model)
         self._own_body = int(model.cam_bodyid[self._camera]) or -1  # a camera fixed to the world has no case
         self._convex = np.append(np.isin(model.geom_type, _CONVEX), True)  # the last is geom -1, nothing at all
         self._half = model.geom_aabb[:, 3:] + 1e-9
@@ -192,7 +192,7 @@ class RayEye(Eye):
         return np.asarray((unbounded | (ahead & rows))[:, :, None] & (unbounded | columns)[:, None, :])
 
 
-def _rayed(model: mujoco.MjModel) -> mujoco.MjModel:
+def rayed(model: mujoco.MjModel) -> mujoco.MjModel:
     """A copy through which `mj_multiRay` meets what `mj_ray` meets; for rays alone, its bodies may not collide.
 
     MuJoCo 3.17 skips a body where a ray misses the sphere around the box of its colliding geoms, should it have any.

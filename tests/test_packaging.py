@@ -43,7 +43,7 @@ def files(*folders: str) -> set[str]:
         path.relative_to(ROOT).as_posix()
         for folder in folders
         for path in (ROOT / folder).rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".png"
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix not in {".png", ".gif"}
     }
 
 

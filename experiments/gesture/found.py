@@ -4,13 +4,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, IntArray
 from babbling.mirroring import angles_between
 from experiments.gesture.options import Config
-from experiments.shared.minds import Learned
+from experiments.shared.minds import Learned, factors_of
 from experiments.shared.oracle import at_ticks
+from experiments.shared.trajectories import trajectories
 from experiments.shared.watching import Seen
 from imitation.acting.loop import Attempt
 from imitation.acting.movement import slowed
@@ -60,11 +62,26 @@ class Performed:
             found[who] = np.rad2deg(angles_between(shown, np.stack([*aims.values()], 1)))
         return found
 
+    @cached_property
+    def trajectories(self) -> xr.Dataset:
+        """Labelled arrays; see `experiments.shared.trajectories`."""
+        shown = {
+            "demonstrated": (self.seen.angles, "sub-goals: the demonstration in the imitator's own joints"),
+            "replayed": (self.replayed, "true posture where the sub-goals are simply sent"),
+            "linear": (self.peer.truth[:, 0], "true posture with the inverse of a line in the same loop"),
+        }
+        attempts = [(attempt.truth[:, 0], vars(attempt)) for attempt in self.attempts]
+        return trajectories(self.body, self.factors, shown, attempts, title=self.title)
+
     @property
-    def factors(self) -> NDArray[np.intp]:
-        """(J,) factor of each joint, by the sense it moves."""
-        labels = [self.body.sense_labels[line] for line in self.learned.mind.pilot.schema.posture]
-        return np.array([labels.index(joint) if joint in labels else 0 for joint in self.body.joints])
+    def title(self) -> str:
+        """Whose movement, by whom."""
+        return f"{self.seen.movement.name} by {self.config.robot}, seed {self.config.seed}"
+
+    @property
+    def factors(self) -> IntArray:
+        """(J,) see `factors_of`."""
+        return factors_of(self.body, self.learned.mind)
 
     @property
     def busiest(self) -> NDArray[np.intp]:

@@ -7,9 +7,11 @@ from experiments.shared.options import (
     BABBLING_MINUTES,
     BodyOptions,
     Demonstration,
+    Film,
     Minutes,
     MirrorOptions,
     Selection,
+    TableOptions,
     ToRead,
     a_push,
     must_stand,
@@ -20,7 +22,7 @@ from experiments.shared.options import (
 
 
 @options
-class Config(BodyOptions, MirrorOptions):
+class Config(BodyOptions, MirrorOptions, TableOptions):
     """Options of `imitate gesture`."""
 
     demonstration: Demonstration = "icub-wave"
@@ -40,6 +42,8 @@ class Config(BodyOptions, MirrorOptions):
     """A forward model that `imitate babble` left; no babbling then."""
     body_image: ToRead | None = None
     """A body image that `imitate correspondence` left; no mirror then."""
+    film: Film | None = None
+    """Also a film: the imitator, and a ghost where the demonstration has it otherwise; mp4 (extra `film`) or gif."""
     stand: bool = False
     """On its own feet: on a floor, free to fall. Balance is learned first, a minute or two, or taken."""
     balance: ToRead | None = None

@@ -30,8 +30,7 @@ REACH = 6.0
 def record(path: Path, done: Performed, summary: str) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
-    name = f"{done.seen.movement.name} by {done.config.robot}, seed {done.config.seed}"
-    with recording(path, "imitate-gesture", name, layout(joints, bool(done.limb_errors_deg)), summary) as stream:
+    with recording(path, "imitate-gesture", done.title, layout(joints, bool(done.limb_errors_deg)), summary) as stream:
         _log_world(stream, done)
         _log_joints(stream, done)
         _log_beliefs(stream, done)

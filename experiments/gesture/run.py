@@ -17,11 +17,13 @@ from experiments.gesture.recording import record
 from experiments.gesture.standing import stand, take_balance
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
-from experiments.shared.minds import body_of, learn_mind, take_mind
+from experiments.shared.film import filmed
+from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
+from experiments.shared.trajectories import left
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
 from imitation.acting.rehearsal import REHEARSERS, best_eagerness
@@ -29,11 +31,28 @@ from imitation.acting.rehearsal import REHEARSERS, best_eagerness
 
 def run(config: Config) -> Result:
     """Watch, babble, imitate, measure."""
+    if config.stand:
+        balance = take_balance(config) if config.balance is not None else None
+        return stand(config, *prepare(config), balance)
+    return judged(perform(config))
+
+
+def judged(done: Performed) -> Result:
+    """Numbers, figures, recording and files of what was done."""
+    config, metrics = done.config, measure(done)
+    summary = summarise(metrics, done.seen)
+    imitated, demonstrated = (done.body.configurations(angles) for angles in (done.imitated, done.seen.angles))
+    files = left(done.trajectories, csv=config.csv)
+    files |= filmed(config.film, done.title, done.body, imitated, demonstrated, done.seen.teacher)
+    return Result(metrics, summary, figures(done, metrics), lambda path: record(path, done, summary), files)
+
+
+def prepare(config: Config) -> tuple[Learned, Seen]:
+    """Watch, babble, and find in a mirror what of the teacher corresponds to what of oneself."""
     config.check()
     noise_deg = config.seeing_noise_deg
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
-    balance = take_balance(config) if config.balance is not None else None
     seen = watch(config.demonstration, body, config.motion)
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
@@ -52,19 +71,25 @@ def run(config: Config) -> Result:
         pupil = Pupil(body, mind.pilot, image, noise_deg, config.parts == "named")
         found = pupil.follow(seen.performance, np.random.default_rng([config.seed, 10]))
         seen = seen.learning(found, body)
-    if config.stand:
-        return stand(config, learned, seen, balance)
+    return learned, seen
+
+
+def perform(config: Config) -> Performed:
+    """All of `imitate gesture` but its files, for notebooks: the same options, the same numbers.
+
+    Raises:
+        ExperimentError, BodyError, BabblingError: what the command line would say.
+    """
+    learned, seen = prepare(config)
+    body, mind = body_of(config, 1, stream=3), learned.mind
     print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
-    perform = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
+    attempted = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])
-    attempts = perform(selection=config.selection, attempts=config.attempts, rng=rng)
+    attempts = attempted(selection=config.selection, attempts=config.attempts, rng=rng)
     line = inverse_line(mind.forward_model)
     eagerness = best_eagerness(body_of(config, REHEARSERS, stream=1), mind, line, config.seed)
-    peer = perform(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
-    done = Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
-    metrics = measure(done)
-    summary = summarise(metrics, seen)
-    return Result(metrics, summary, figures(done, metrics), lambda path: record(path, done, summary))
+    peer = attempted(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
+    return Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
 
 
 def measure(done: Performed) -> dict[str, Any]:

@@ -13,12 +13,14 @@ from experiments.gesture.standing_found import Stands, touches
 from experiments.gesture.standing_recording import record
 from experiments.gesture.standing_study import ENOUGH, Cell, prepared, study
 from experiments.shared.experiment import Result
+from experiments.shared.film import filmed
 from experiments.shared.judging import interval_95, rmse_deg
-from experiments.shared.minds import Learned, body_of
+from experiments.shared.minds import Learned, body_of, factors_of
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.progress import progress
 from experiments.shared.standing import paced, perform, shove, standing_of
 from experiments.shared.tables import table
+from experiments.shared.trajectories import left
 from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
 
@@ -56,8 +58,7 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
         )
         for who in WAYS
     }  # fmt: skip
-    labels = [hung.sense_labels[line] for line in learned.mind.pilot.schema.posture]
-    order = np.array([labels.index(joint) if joint in labels else 0 for joint in hung.joints])
+    order = factors_of(hung, learned.mind)
     whole = prepared(config, learned.mind, balance, hung, seen.angles) if config.study else None
     if whole is not None:
         done["pd"] = whole.perform(Cell("pd", config.demonstration, config.speed), 1, push)
@@ -66,7 +67,9 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
     if whole is not None:
         metrics |= study(whole, config.threads)
     summary = summarise(metrics, stands)
-    files = {} if taken else {"balance.nc": lambda path: save(balance, path)}
+    shown = (stands.ours.configurations[stands.during(), 0], stands.demonstrated)
+    files = left(stands.trajectories, csv=config.csv) | filmed(config.film, stands.title, body, *shown, seen.teacher)
+    files |= {} if taken else {"balance.nc": lambda path: save(balance, path)}
     return Result(metrics, summary, figures(stands, metrics), lambda path: record(path, stands, summary), files)
 
 

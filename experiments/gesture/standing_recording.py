@@ -23,8 +23,7 @@ ARROW = 0.01
 
 def record(path: Path, stands: Stands, summary: str) -> None:
     """Write the recording."""
-    name = f"{stands.config.demonstration} by {stands.config.robot} on its feet, seed {stands.config.seed}"
-    with recording(path, "imitate-gesture-stand", name, layout(), summary) as stream:
+    with recording(path, "imitate-gesture-stand", stands.title, layout(), summary) as stream:
         _log_world(stream, stands)
         _log_pressure(stream, stands)
         _log_beliefs(stream, stands)

@@ -4,14 +4,14 @@ from typing import Annotated
 
 import numpy as np
 
-from experiments.shared.options import EyeOptions, Minutes, Selection, ToRead, known, options, within
+from experiments.shared.options import EyeOptions, Minutes, Selection, TableOptions, ToRead, known, options, within
 from models.biclops.movements import movement
 
 MOST_SEQUENCES = 64
 
 
 @options
-class Config(EyeOptions):
+class Config(TableOptions, EyeOptions):
     """Options of `imitate head`."""
 
     movement: Annotated[str, known(lambda name: movement(name, np.random.default_rng(0)))] = "random"

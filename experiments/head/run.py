@@ -25,6 +25,7 @@ from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
+from experiments.shared.trajectories import left
 from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Watched, watch
 from models.biclops.movements import TICK_S, movement
@@ -173,7 +174,7 @@ def _metrics(found: Found) -> dict[str, Any]:
 def _files(found: Found) -> dict[str, Callable[[Path], None]]:
     memory, robot = remembered(found.config, found.sequences[0].watched), found.config.robot
     body = watching_body(robot, scramble=found.config.scramble)
-    return {
+    return left(found.trajectories(), csv=found.config.csv) | {
         "memory.nc": lambda path: save(memory, path, {"axis": ("pan", "tilt")}),
         "mind.nc": lambda path: save(found.mind, path, people_say(body), robot=robot),
     }

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from babbling.axes import IntArray
 from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.files import load, save
 from babbling.kinds import Numbers, kind
@@ -64,6 +65,12 @@ class Interrupted:
 def people_say(body: SimulatedBody) -> Mapping[str, Sequence[str]]:
     """Joint names, for files that people read; the mind is never told."""
     return {"motor": body.motor_labels, "sense": body.senses.labels}
+
+
+def factors_of(body: SimulatedBody, mind: Mind) -> IntArray:
+    """(J,) factor of each joint, by the sense it moves; -1 where babbling found none."""
+    labels = [body.sense_labels[line] for line in mind.pilot.schema.posture]
+    return np.array([labels.index(joint) if joint in labels else -1 for joint in body.joints])
 
 
 class HeldOut:

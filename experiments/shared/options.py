@@ -5,6 +5,7 @@ What stands here and in every `experiments/NAME/options.py` is light to load: he
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from importlib.util import find_spec
 from inspect import get_annotations
 from math import inf
 from pathlib import Path
@@ -93,7 +94,16 @@ def known(find: Callable[[str], object]) -> Rule:
     return lambda option, name: file(option, name) if find(name) is None else None
 
 
+def a_film(option: str, kind: str) -> None:
+    """A kind of film that can be written here."""
+    if kind == "mp4" and find_spec("av") is None:
+        raise ExperimentError(
+            f"{option} mp4: the package av is not installed; pip install 'imitation-laboratory[film]', or {option} gif"
+        )
+
+
 Demonstration = Annotated[str, known(find_demonstration)]
+Film = Annotated[Literal["mp4", "gif"], a_film]
 Minutes = Annotated[float, within(0, LONGEST_MINUTES, above=True)]
 Robot = Annotated[str, known(find_robot)]
 Selection = Annotated[str, known(selection_rule)]
@@ -137,6 +147,14 @@ class Options:
         """
         for name, kind in get_type_hints(type(self), include_extras=True).items():
             obey(f"--{name.replace('_', '-')}", kind, getattr(self, name))
+
+
+@options
+class TableOptions(Options):
+    """What is left of movements besides trajectories.nc."""
+
+    csv: bool = False
+    """Also trajectories.csv: a row for every attempt, time and joint."""
 
 
 @options

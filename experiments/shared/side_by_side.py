@@ -27,7 +27,13 @@ def log_imitator(stream: rr.RecordingStream, parts: Sequence[Part], tick_s: floa
 
 
 def log_teacher(stream: rr.RecordingStream, performance: Performance, frames: int, tick_s: float) -> None:
-    """A teacher as a stick figure at the imitator's ticks, kept beside it however far it walks."""
+    """A teacher as a stick figure at the imitator's ticks, beside it."""
+    points = stick_figure(performance, frames, tick_s)
+    log_stick_figure(stream, "world/teacher", points, performance.bones, tick_s, DEMONSTRATED)
+
+
+def stick_figure(performance: Performance, frames: int, tick_s: float) -> FloatArray:
+    """(frames, K, 3) m a teacher's points at the imitator's ticks, kept beside it however far it walks."""
     points = performance.points
     at = np.minimum(np.arange(frames) * tick_s, performance.time[-1])
     columns = points.reshape(len(points), -1).T
@@ -37,4 +43,4 @@ def log_teacher(stream: rr.RecordingStream, performance: Performance, frames: in
     even[..., :2] -= even[..., :2].mean(1, keepdims=True)
     even[..., 2] -= even[..., 2].min()
     even[..., 1] += BESIDE
-    log_stick_figure(stream, "world/teacher", even, performance.bones, tick_s, DEMONSTRATED)
+    return even

@@ -13,7 +13,7 @@ from babbling.exploration import MotorRange, smooth
 from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
 from imitation.acting.balancing import Balancer, Feeling, Plan
-from imitation.acting.loop import Imitator
+from imitation.acting.loop import Imitator, Info, lasting
 from imitation.acting.movement import Movement, slowed
 from models.body import SimulatedBody
 from models.loading import load_standing
@@ -208,6 +208,8 @@ class Performance:
     """(T - 1,) wall time of choosing for all joints of all copies."""
     lifted: FloatArray
     """(T, B, 2) m of each foot."""
+    infos: Sequence[Info] = ()
+    """Of every choice while somebody was upright; commands as they were sent."""
 
     @property
     def fell(self) -> BoolArray:
@@ -260,7 +262,7 @@ def perform(
     feeling = Feeling(balancer, plan, body.copies)
     rng, first = np.random.default_rng(0), state.left - len(senses)
     rows: list[Sequence[FloatArray | BoolArray]] = []
-    choices, resisted = list[float](), np.zeros((body.copies, len(known.carries)), bool)
+    infos, choices, resisted = list[Info](), list[float](), np.zeros((body.copies, len(known.carries)), bool)
     while True:
         number, force = state.tick, np.zeros((body.copies, 3))
         if push is not None:
@@ -282,7 +284,8 @@ def perform(
                 command = command + feeling(loads) @ known.synergy
             if reflex is not None:
                 command = command + reflex(number, loads, body.senses.read(felt, "gyro")[:, 0]) @ known.synergy
-            command = np.where(carries, command, info.commands)
+            command = np.clip(np.where(carries, command, info.commands), *mind.pilot.ends.T)
+            infos.append(lasting(replace(info, commands=command)))
         choices.append(time.perf_counter() - clock)
         felt = body.act(schema.motors(np.clip(command, *mind.pilot.ends.T)))
     angles, configurations, loads, upright, pushes, stays, met, lifted = map(np.array, zip(*rows, strict=True))
@@ -290,5 +293,5 @@ def perform(
     foretold[1 : len(feeling.expected) + 1] = np.array(feeling.expected).reshape(-1, body.copies, 2)
     spent = np.array(choices)
     return Performance(
-        plan, angles, configurations, loads, upright, first, pushes, foretold, stays, met, spent, lifted
+        plan, angles, configurations, loads, upright, first, pushes, foretold, stays, met, spent, lifted, infos
     )  # fmt: skip

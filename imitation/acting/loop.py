@@ -8,10 +8,10 @@ the sub-goals.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from babbling.axes import BoolArray, FloatArray, fixed
 from babbling.belief import StateEstimate
@@ -52,6 +52,8 @@ class Info:
     """(B, F, 3) posture, rate, bias."""
     missed: FloatArray
     """(B, F, 2) felt posture and rate minus those foretold a tick before: the innovation of the belief."""
+    origin: FloatArray
+    """(B, F) posture that actions are counted from: a command is this and the action."""
     wanted: FloatArray
     """(B, F) outcome that the inverse model was asked for."""
     commands: FloatArray
@@ -89,6 +91,17 @@ class Attempt(Info):
     """Why it ended early; None where it came to the end."""
     ended_tick: int
     """Tick of the movement that was not done any more: T, or negative where it ended while approaching."""
+
+
+def lasting(info: Info) -> Info:
+    """What is kept of a step: many copies' posteriors would fill the memory."""
+    few = {name: getattr(info, name)[0].astype(np.float32) for name in ("posterior", "candidates", "familiarity")}
+    return replace(info, **few)
+
+
+def through_time(infos: Sequence[Info]) -> dict[str, NDArray[Any]]:
+    """(T, ...) every field of some steps."""
+    return {field.name: np.array([getattr(info, field.name) for info in infos]) for field in fields(Info)}
 
 
 class Imitator:
@@ -182,6 +195,7 @@ class Imitator:
         info = Info(
             believed=belief.mean,
             missed=missed,
+            origin=posture,
             wanted=wanted,
             commands=command,
             posterior=nothing if choice.posterior is None else choice.posterior.probability,
@@ -263,14 +277,11 @@ def _attempt(
         heed(before, felt, info)
         senses.append(felt)
         truth.append(witness().copy() if witness else np.zeros((body.copies, 0)))
-        # many copies' posteriors would fill the memory
-        few = {name: getattr(info, name)[0].astype(np.float32) for name in ("posterior", "candidates", "familiarity")}
-        infos.append(replace(info, **few))
+        infos.append(lasting(info))
         if why is None:
             felt = body.act(motors)
     end = len(infos) - (why is not None)  # the step that found the end was not done
-    names = [field.name for field in fields(Info)]
-    seen = {name: np.stack([getattr(info, name) for info in infos])[first:end] for name in names}
+    seen = {name: values[first:end] for name, values in through_time(infos).items()}
     felt, true = np.stack(senses)[first:end], np.stack(truth)[:end]
     return Attempt(
         **seen,

@@ -1,0 +1,34 @@
+"""The figure of `imitate compare`."""
+
+from matplotlib.figure import Figure
+
+from experiments.compare.found import Compared
+from experiments.shared.palette import INKS, OURS
+
+COLOURS = (OURS, *(INKS[name] for name in ("green", "violet", "red", "cyan", "yellow", "magenta", "lime")))
+"""Of runs; blue is the demonstration's."""
+
+
+def figures(done: Compared) -> dict[str, Figure]:
+    """File stem -> figure; none where nothing can be drawn."""
+    if not done.errors and not done.headlines:
+        return {}
+    count = bool(done.errors) + bool(done.headlines)
+    figure = Figure(figsize=(11, 3.4 * count), layout="constrained")
+    rows = iter(figure.subfigures(count, 1, squeeze=False)[:, 0])
+    if done.errors:
+        axes = next(rows).subplots()
+        for number, run, time, error in done.errors:
+            axes.plot(time, error, color=COLOURS[number % len(COLOURS)], lw=1.1, label=run.label)
+        axes.set(xlabel="time [s]", ylabel=f"error [{done.unit}]", ylim=(0, None))
+        axes.set_title(f"error against the sub-goals, root mean square of {len(done.joints)} joints")
+        axes.legend(frameon=False, fontsize=8)
+    if done.headlines:
+        columns = next(rows).subplots(1, len(done.headlines), squeeze=False)[0]
+        for axes, (name, values) in zip(columns, done.headlines.items(), strict=True):
+            places = range(len(values))
+            axes.bar(places, values, color=[COLOURS[n % len(COLOURS)] for n in places])
+            axes.set_title(name.replace("_", " "), fontsize=7, wrap=True)
+            axes.set_xticks(places, [run.label for run in done.runs], rotation=60, ha="right", fontsize=7)
+            axes.tick_params(axis="y", labelsize=7)
+    return {"comparison": figure}
