@@ -1,4 +1,4 @@
-"""Meshes as pictures need them: corners shared by index, smooth but for sharp edges, coloured, no finer than is seen."""
+"""Meshes as pictures need them: corners shared, smooth but for sharp edges, coloured, no finer than is seen."""
 
 from collections.abc import Collection
 from typing import NamedTuple
@@ -11,8 +11,8 @@ from models.arrays import FloatArray, IntArray
 
 SHARP = 0.8
 """A face whose normal has less than this cosine with its corner's mean normal keeps its own: an edge."""
-THIN = 8
-"""Cells across the least extent of a mesh, below which its own are smaller."""
+ACROSS = 3
+"""Least number of cells across a mesh, each way: thin things stay, and the smallest are hardly more than boxes."""
 COARSER = 1.05
 """Least factor on the grid's cell while there are too many triangles, which are as many as its square is small."""
 
@@ -41,11 +41,11 @@ class Mesh(NamedTuple):
     def thinned(self, cell: float) -> "Mesh":
         """With all corners in one cell of a grid, m, at their mean, and without what thereby falls together.
 
-        Cells are smaller where the whole is thin. Normals are the means of those that look one of 27 ways.
+        Cells are narrower where the whole is thin. Normals are the means of those that look one of 27 ways.
         """
         extent = np.ptp(self.corners, axis=0)
-        cell = np.sqrt(cell * min(cell, max(extent.min() / THIN, extent.max() * 1e-4)))
-        at = np.floor((self.corners - self.corners.min(0)) / cell).astype(np.int64)
+        cells = np.clip(np.minimum(cell, extent / ACROSS), max(extent) * 1e-6 + 1e-12, None)
+        at = np.floor((self.corners - self.corners.min(0)) / cells).astype(np.int64)
         sides = at.max(0) + 1
         _, place = np.unique((at[:, 0] * sides[1] + at[:, 1]) * sides[2] + at[:, 2], return_inverse=True)
         _, row = np.unique(27 * place + _ways(self.normals), return_inverse=True)
@@ -62,15 +62,16 @@ class Mesh(NamedTuple):
 def meshes(model: mujoco.MjModel, geoms: Collection[int], most: int) -> dict[int, Mesh]:
     """The mesh of each of these geoms of a compiled model in the geom's frame, at most `most` triangles altogether.
 
-    Where there are more, all are thinned out on one grid, as fine as may be. Geoms that share a mesh and a texture
-    share the result.
+    Where there are more, all are thinned out on one grid, as fine as may be (but for `ACROSS`: a thousand meshes may
+    be more than `most`). Geoms that share a mesh and a texture share the result.
     """
     kinds = {geom: (int(model.geom_dataid[geom]), texture_of(model, geom)) for geom in geoms}
     whole = {kind: _made(model, *kind) for kind in set(kinds.values())}
+    areas = (float(np.linalg.norm(whole[kind].across(), axis=1).sum() / 2) for kind in kinds.values())
+    largest = max((float(np.ptp(mesh.corners, axis=0).max()) for mesh in whole.values()), default=0.0)
     cell, made = 0.0, whole
-    while (count := sum(len(made[kind].triangles) for kind in kinds.values())) > most:
-        area = sum(float(np.linalg.norm(whole[kind].across(), axis=1).sum() / 2) for kind in kinds.values())
-        cell = cell * max(COARSER, np.sqrt(count / most)) or 0.5 * np.sqrt(area / most) or 1.0
+    while cell < largest and (count := sum(len(made[kind].triangles) for kind in kinds.values())) > most:
+        cell = cell * max(COARSER, np.sqrt(count / most)) or 0.5 * np.sqrt(sum(areas) / most) or largest
         made = {kind: mesh.thinned(cell) for kind, mesh in whole.items()}
     return {geom: made[kind] for geom, kind in kinds.items()}
 

@@ -54,6 +54,10 @@ class Part(NamedTuple):
     """(T, 4) quaternions x, y, z, w."""
     shapes: tuple[Shape, ...]
 
+    def during(self, ticks: slice) -> "Part":
+        """The same part in some of its configurations alone."""
+        return self._replace(positions=self.positions[ticks], turns=self.turns[ticks])
+
 
 def parts(
     model: mujoco.MjModel,
@@ -84,13 +88,14 @@ def parts(
         shown[geom] &= placed and model.geom(geom).name not in without
     drawn = [geom for geom in geoms if shown[geom]]
     surfaces = meshes(model, [geom for geom in drawn if KINDS[int(model.geom_type[geom])] == "mesh"], most)
-    paints = {number: texture(model, number).mean((0, 1)) / 255 for number in {texture_of(model, i) for i in drawn} - {-1}}
+    paints = {
+        number: texture(model, number).mean((0, 1)) / 255 for number in {texture_of(model, i) for i in drawn} - {-1}
+    }
     shapes: dict[int, list[Shape]] = {}
     for geom in drawn:
         surface, paint = surfaces.get(geom), paints.get(texture_of(model, geom), np.ones(3))
-        if surface is None or len(surface.triangles):
-            shape = _shape(model, geom, rgba[geom, :3], surface, paint)
-            shapes.setdefault(int(model.geom_bodyid[geom]), []).append(shape)
+        shape = _shape(model, geom, rgba[geom, :3], surface, paint)
+        shapes.setdefault(int(model.geom_bodyid[geom]), []).append(shape)
     return [
         Part(
             name=model.body(body).name or str(body),
@@ -110,8 +115,8 @@ def seen(model: mujoco.MjModel, opaque: BoolArray) -> BoolArray:
     collides) and another all for looking (nothing does), the first is left out: viewers of such robots hide it. A tree
     that moves and has nothing to look at shows what it touches with.
     """
-    able = np.isin(model.geom_type, list(KINDS))
-    shown = able & opaque & (model.geom_group < VISIBLE_GROUPS)
+    able: BoolArray = np.isin(model.geom_type, list(KINDS))
+    shown: BoolArray = able & opaque & (model.geom_group < VISIBLE_GROUPS)
     touches = (model.geom_contype | model.geom_conaffinity) != 0
     trees, moving = model.body_rootid[model.geom_bodyid], set(model.body_rootid[model.dof_bodyid])
     for tree in np.unique(trees):
@@ -127,26 +132,34 @@ def seen(model: mujoco.MjModel, opaque: BoolArray) -> BoolArray:
 
 
 def box(parts: Sequence[Part]) -> tuple[FloatArray, FloatArray]:
-    """(3,) m least and (3,) m greatest place that anything of these parts reaches; zeros without parts."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    """(3,) m least and (3,) m greatest place that anything of these parts reaches; zeros without parts.
+
+    Exact, but for meshes: of those it is the box about them that turns.
+    """
+    ends = [(np.zeros(3), np.zeros(3))] if not parts else []
     for part in parts:
-        ends = np.stack([_ends(shape) for shape in part.shapes])  # (shapes, 2, 3)
-        ends = np.stack([ends[:, 0].min(0), ends[:, 1].max(0)])
-        corners = np.stack(np.meshgrid(*ends.T), -1).reshape(-1, 3)
-        turns = Rotation.from_quat(part.turns if part.moves else part.turns[:1])
-        places = np.stack([turns.apply(corner) for corner in corners]) + part.positions[: len(turns)]
-        low, high = np.minimum(low, places.min((0, 1))), np.maximum(high, places.max((0, 1)))
-    return (low, high) if parts else (np.zeros(3), np.zeros(3))
+        once = slice(None) if part.moves else slice(1)
+        turns, places = Rotation.from_quat(part.turns[once]), part.positions[once]
+        for shape in part.shapes:
+            if shape.mesh:
+                low, high = shape.mesh.corners.min(0), shape.mesh.corners.max(0)
+                middle, reach = (low + high) / 2, np.abs(turns.as_matrix()) @ ((high - low) / 2)
+            else:
+                middle, reach = shape.place, _reach(shape, (turns * Rotation.from_quat(shape.turn)).as_matrix())
+            at = turns.apply(middle) + places
+            ends.append(((at - reach).min(0), (at + reach).max(0)))
+    return np.min([low for low, _ in ends], axis=0), np.max([high for _, high in ends], axis=0)
 
 
-def _ends(shape: Shape) -> FloatArray:
-    """(2, 3) m least and greatest place of a shape in its part's frame."""
-    if shape.mesh:
-        return np.stack([shape.mesh.corners.min(0), shape.mesh.corners.max(0)])
-    radius, length = shape.size[0], shape.size[1]
-    half = {"sphere": (radius,) * 3, "capsule": (radius, radius, radius + length), "cylinder": (radius, radius, length)}
-    reach = np.abs(Rotation.from_quat(shape.turn).as_matrix()) @ half.get(shape.kind, shape.size)
-    return np.stack([shape.place - reach, shape.place + reach])
+def _reach(shape: Shape, turns: FloatArray) -> FloatArray:
+    """(T, 3) m how far a shape reaches from its middle along x, y and z, turned by (T, 3, 3) matrices."""
+    size, along = shape.size, np.abs(turns[..., 2])
+    if shape.kind == "box":
+        return np.asarray(np.abs(turns) @ size)
+    if shape.kind == "ellipsoid":
+        return np.asarray(np.sqrt(turns**2 @ size**2))
+    width = size[0] * np.sqrt(np.maximum(1 - along**2, 0)) if shape.kind == "cylinder" else size[0]
+    return np.asarray(width + (0 if shape.kind == "sphere" else size[1]) * along)
 
 
 def _rgba(model: mujoco.MjModel, geom: int) -> FloatArray:
