@@ -16,7 +16,12 @@ from models.loading import load_body
 from models.shapes import box, parts
 from tests.models.test_shapes import ball
 
-BOXES = [((0, -0.2, 0), (0.2, 0.7, 0.6)), ((-9, 3, -1), (9, 4, 1)), ((0, 0, 0), (0.01, 0.01, 5)), ((1, 1, 1), (1, 1, 1))]
+BOXES = [
+    ((0, -0.2, 0), (0.2, 0.7, 0.6)),
+    ((-9, 3, -1), (9, 4, 1)),
+    ((0, 0, 0), (0.01, 0.01, 5)),
+    ((1, 1, 1), (1, 1, 1)),
+]
 
 
 @pytest.mark.parametrize(("low", "high"), BOXES)

@@ -89,7 +89,9 @@ def test_a_texture_is_painted_where_it_lies() -> None:
     )
     pixels = np.zeros((2, 2, 3), np.uint8)
     pixels[0, 0], pixels[0, 1], pixels[1, 0], pixels[1, 1] = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)
-    spec.add_texture(name="t", type=mujoco.mjtTexture.mjTEXTURE_2D, width=2, height=2, nchannel=3, data=[*pixels.tobytes()])
+    spec.add_texture(
+        name="t", type=mujoco.mjtTexture.mjTEXTURE_2D, width=2, height=2, nchannel=3, data=[*pixels.tobytes()]
+    )
     textures = [""] * 10
     textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "t"
     spec.add_material(name="m", textures=textures, rgba=(0.5, 1, 1, 1))
