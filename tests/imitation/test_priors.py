@@ -1,4 +1,4 @@
-"""Any P(action | context) as a prior of Eq. (1): shapes that say the same, brute force, what is forbidden, what is wrong."""
+"""Any P(action | context) as a prior of Eq. (1): shapes, brute force, what is forbidden, what is wrong."""
 
 from pathlib import Path
 from typing import Any
