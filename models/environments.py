@@ -17,7 +17,7 @@ from models.errors import BodyError, unknown
 from models.senses import Channel, Senses
 
 LOOK_TICKS, HELD_TICKS = 600, 30
-"""How long a look for the ranges of senses takes, and how long each of its commands is held."""
+"""How long a look for the ranges of senses takes, and how long each of its commands is held at most."""
 MARGIN = 0.1
 """Share of what was met then that a range is wider, either way."""
 PARTS = (
@@ -122,9 +122,7 @@ class EnvironmentBody:
     def _step(self, one: "_Copy", action: FloatArray) -> FloatArray:
         felt = one.step(action)
         if felt is None:
-            raise BodyError(
-                f"{self.name}: its episode ended after {self.time:.2f} s, but a body lives on: {one.lasting}"
-            )
+            raise BodyError(f"{self.name}: its episode ended after {self.time:.2f} s; a body lives on: {one.lasting}")
         return felt
 
     def _felt(self, copies: Sequence[FloatArray]) -> FloatArray:
@@ -136,10 +134,10 @@ class EnvironmentBody:
     def _look(self) -> FloatArray:
         """(T, S) what the first copy meets while it does this and that."""
         first, rng = self._copies[0], np.random.default_rng([self._seed, 0x100C])
-        met, action = [first.start(int(self._seeds[0]))], self.motor_low
+        met, action, until = [first.start(int(self._seeds[0]))], self.motor_low, 0
         for tick in range(LOOK_TICKS):
-            if tick % HELD_TICKS == 0:
-                action = rng.uniform(self.motor_low, self.motor_high)
+            if tick == until:
+                action, until = rng.uniform(self.motor_low, self.motor_high), tick + int(rng.integers(1, HELD_TICKS))
             self.time = tick * self.tick_s
             met.append(self._step(first, action))
         return self._felt(met)
