@@ -118,7 +118,7 @@ def test_it_babbles_and_imitates_like_any_other(name: str) -> None:
         "dm_control": lambda copies: EnvironmentBody([arm() for _ in range(copies)], feel=["posture", "rate"]),
         "hardware": lambda copies: SerialArm(Springs()),  # there is one
     }[name]
-    mind, body = learn(make(6), minutes=1, seed=1), make(1)
+    mind, body = learn(make(6), minutes=0.4, seed=1), make(1)
     np.testing.assert_array_equal(mind.pilot.schema.posture, [0, 1])
     np.testing.assert_array_equal(mind.pilot.schema.rate, [2, 3])
     np.testing.assert_allclose(mind.pilot.schema.slope, 1, atol=0.03)
