@@ -151,6 +151,9 @@ def test_what_is_forbidden_is_never_done(rule: str, allowed: slice) -> None:
     near = np.abs(choice.action[..., None] - ACTION.points[0][numbers > 0]).min(-1)
     assert near.max() < ACTION.step[0] * (1 + 1e-9)  # between two points it is interpolated
     np.testing.assert_allclose(choice.posterior.probability.sum(-1), 1)
+    narrow = Axis("action", "rad", np.full(2, -0.01), np.full(2, 0.01), 3)
+    bound = AveragedInverse(model, rule, prior=PriorTable.of(np.ones(3), narrow)).choose(here, wanted, (), RNG)
+    assert np.abs(bound.action).max() <= 0.01 + 1e-12  # nothing is allowed beyond its ends
     grid = measured(3, 9, 11)
     term = Term(grid, (np.zeros((50, 2)),), np.tile(grid.outcome.points[:, 7], (50, 1)))
     chosen = BayesianInverse(grid, "map", prior=np.eye(9)[2]).choose([term], RNG).action
