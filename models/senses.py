@@ -18,7 +18,7 @@ from models.errors import BodyError, unknown
 
 Kind = Literal[
     "angle", "speed", "image position", "area", "place", "attitude", "velocity", "touch", "force", "torque", "load",
-    "gyro", "accelerometer",
+    "gyro", "accelerometer", "reading",
 ]  # fmt: skip
 
 

@@ -94,8 +94,8 @@ def test_the_robot_has_meshes_and_an_entry(toy: Path) -> None:
     [part] = parts(body.model, np.zeros((1, 1)))
     [shape] = part.shapes
     corners = np.array([[0, 0, 0.2], [0.02, 0.02, 0], [-0.02, 0.02, 0], [0, -0.02, 0]])
-    away = np.linalg.norm(shape.triangles.reshape(-1, 1, 3) - corners, axis=-1)
-    assert shape.kind == "mesh" and shape.triangles.shape == (4, 3, 3)
+    assert shape.kind == "mesh" and shape.mesh is not None and shape.mesh.triangles.shape == (4, 3)
+    away = np.linalg.norm(shape.mesh.corners[:, None] - corners, axis=-1)
     assert away.min(1).max() < 1e-6 and away.min(0).max() < 1e-6  # as written, whatever MuJoCo makes of its frame
 
 

@@ -18,7 +18,7 @@ from experiments.shared.recording import (
     log_series,
     recording,
 )
-from experiments.shared.side_by_side import BESIDE, log_imitator, log_teacher
+from experiments.shared.side_by_side import Stage, log_imitator, log_teacher
 from models.shapes import parts
 
 SHOWN = 3
@@ -30,14 +30,25 @@ REACH = 6.0
 def record(path: Path, done: Performed, summary: str) -> None:
     """Write the recording."""
     joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
-    with recording(path, "imitate-gesture", done.title, layout(joints, bool(done.limb_errors_deg)), summary) as stream:
-        _log_world(stream, done)
+    model, ticks = done.body.model, len(done.imitated)
+    # one body in both places: its meshes are made once
+    poses = [done.imitated, done.seen.angles] if done.seen.teacher is None else [done.imitated]
+    whole = parts(model, np.concatenate([done.body.configurations(angles) for angles in poses]))
+    imitator, shown = ([part.during(some) for part in whole] for some in (slice(ticks), slice(ticks, None)))
+    stage = Stage.of(imitator, shown if done.seen.teacher is None else ())
+    shows = layout(joints, bool(done.limb_errors_deg), stage)
+    with recording(path, "imitate-gesture", done.title, shows, summary) as stream:
+        log_imitator(stream, imitator, done.body.tick_s, stage.aside)
+        if done.seen.teacher is None:
+            log_body(stream, "world/teacher", shown, done.body.tick_s, offset=(0, stage.aside, 0), tint=DEMONSTRATED)
+        else:
+            log_teacher(stream, done.seen.teacher, len(done.seen.angles), done.body.tick_s, stage.aside, stage.height)
         _log_joints(stream, done)
         _log_beliefs(stream, done)
         _log_babbling(stream, done)
 
 
-def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
+def layout(joints: list[str], limbs: bool, stage: Stage) -> rrb.Horizontal:
     """3D left; limb directions if a teacher showed them, joint angles, posterior, correction right; summary."""
     angles = [rrb.TimeSeriesView(name=joint, origin=f"/joints/{joint}") for joint in joints[:2]]
     if limbs:
@@ -58,23 +69,13 @@ def layout(joints: list[str], limbs: bool) -> rrb.Horizontal:
         active_tab=0,
     )
     return views.beside(
-        views.world("imitator and teacher", (1.12, 0.27, 0.55), (0.0, 0.27, 0.3)),
+        views.framed("imitator and teacher", stage.low, stage.high),
         *angles,
         rrb.Horizontal(*beliefs),
         more,
         row_shares=[1, 1, 1, 1.1, 1.2],
         stage_share=2.2,
     )
-
-
-def _log_world(stream: rr.RecordingStream, done: Performed) -> None:
-    tick, model, performance = done.body.tick_s, done.body.model, done.seen.teacher
-    log_imitator(stream, parts(model, done.body.configurations(done.imitated)), tick)
-    if performance is None:
-        shown = parts(model, done.body.configurations(done.seen.angles))
-        log_body(stream, "world/teacher", shown, tick, offset=(0, BESIDE, 0), tint=DEMONSTRATED)
-    else:
-        log_teacher(stream, performance, len(done.seen.angles), tick)
 
 
 def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:

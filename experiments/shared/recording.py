@@ -92,7 +92,7 @@ def log_body(
 ) -> None:
     """A body's visible parts, moving."""
     for part in parts:
-        name = f"{entity}/{part.name}"
+        name = f"{entity}/{rr.escape_entity_path_part(part.name)}"
         places = part.positions + np.asarray(offset)
         if part.moves:
             poses = rr.Transform3D.columns(translation=places, quaternion=part.turns)
@@ -101,12 +101,14 @@ def log_body(
             pose = rr.Transform3D(translation=places[0], quaternion=rr.Quaternion(xyzw=part.turns[0]))
             stream.log(name, pose, static=True)
         for shape in part.shapes:
-            _log_shape(stream, f"{name}/{shape.name}", shape, tint)
+            _log_shape(stream, f"{name}/{rr.escape_entity_path_part(shape.name)}", shape, tint)
 
 
 def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tuple[int, int, int] | None) -> None:
-    size, place, rgb = shape.size, shape.place, shape.colour * 255
-    colour = tuple(int(c) for c in (rgb if tint is None else 0.35 * rgb + 0.65 * np.array(tint)))
+    def tinted(rgb: FloatArray) -> NDArray[np.uint8]:
+        return (255 * rgb if tint is None else 0.35 * 255 * rgb + 0.65 * np.array(tint)).astype(np.uint8)
+
+    size, place, mesh, colour = shape.size, shape.place, shape.mesh, tinted(shape.colour)
     common: dict[str, Any] = {"colors": [colour], "fill_mode": "solid", "quaternions": [rr.Quaternion(xyzw=shape.turn)]}
     drawn: Any
     if shape.kind == "capsule":  # it begins at its origin
@@ -114,11 +116,14 @@ def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tupl
         drawn = rr.Capsules3D(lengths=[2 * size[1]], radii=[size[0]], translations=[start], **common)
     elif shape.kind == "cylinder":
         drawn = rr.Cylinders3D(lengths=[2 * size[1]], radii=[size[0]], centers=[place], **common)
-    elif shape.kind == "mesh":
-        one, two, three = np.moveaxis(shape.triangles, 1, 0)
-        normals = np.repeat(np.cross(two - one, three - one), 3, axis=0)
-        corners = shape.triangles.reshape(-1, 3)
-        drawn = rr.Mesh3D(vertex_positions=corners, vertex_normals=normals, albedo_factor=colour)
+    elif mesh:
+        drawn = rr.Mesh3D(
+            vertex_positions=mesh.corners,
+            vertex_normals=mesh.normals,
+            triangle_indices=mesh.triangles,
+            vertex_colors=None if mesh.paint is None else tinted(mesh.paint),
+            albedo_factor=colour if mesh.paint is None else None,
+        )
     elif shape.kind == "box":
         drawn = rr.Boxes3D(half_sizes=[size], centers=[place], **common)
     else:

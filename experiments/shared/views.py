@@ -1,12 +1,20 @@
 """Panels that recordings share."""
 
 from collections.abc import Sequence
+from itertools import product
 
+import numpy as np
 import rerun.blueprint as rrb
 
+from babbling.axes import FloatArray
 from experiments.shared.palette import GROUND
 
 Point = tuple[float, float, float]
+
+FRONT = np.array([1.12, 0.0, 0.25])
+"""Where onlookers stand: robots look along x."""
+FIELD, ASPECT = np.deg2rad(55), 1.15
+"""What a 3-D view sees from top to bottom, and its width / height in `beside`."""
 
 EYES, AXES = ("left", "right"), ("pan", "tilt")
 
@@ -15,6 +23,18 @@ def world(name: str, position: Point, look_target: Point, origin: str = "/world"
     """What an onlooker sees."""
     controls = rrb.EyeControls3D(position=position, look_target=look_target)
     return rrb.Spatial3DView(name=name, origin=origin, line_grid=False, background=[*GROUND], eye_controls=controls)
+
+
+def framed(name: str, low: FloatArray, high: FloatArray) -> rrb.Spatial3DView:
+    """`world` from in front and a little above, as near as all between these (3,) corners is in the picture."""
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-3)
+    towards = FRONT / np.linalg.norm(FRONT)  # from the middle to the eye
+    right = np.cross((0, 0, 1), towards) / np.hypot(*towards[:2])
+    corners = half * np.array(list(product((-1, 1), repeat=3)))
+    spread = np.maximum(abs(corners @ right) / ASPECT, abs(corners @ np.cross(towards, right)))
+    away = float((corners @ towards + spread / np.tan(FIELD / 2)).max())
+    x, y, z = middle + away * towards
+    return world(name, (x, y, z), tuple(middle))
 
 
 def summary() -> rrb.TextDocumentView:

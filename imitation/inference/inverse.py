@@ -8,7 +8,7 @@ last resort that always answers: the least-squares line of the same experience f
 The first rung that can decides, and every decision says its rung, so that whoever asks can count them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
@@ -21,6 +21,7 @@ from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.forward_model import ForwardModel, Rows
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, action_posterior, joint_likelihood
+from imitation.inference.priors import PriorTable
 from imitation.inference.selection import selection_rule
 
 
@@ -141,7 +142,8 @@ class BayesianInverse:
         selection: name of a selection rule.
         trust: (F,) or scalar exponent of the habit P(a | s) as the prior over actions (`ForwardModel.habits`); 0 is the
             uniform prior.
-        prior: P(a | s) that replaces the habit: (F, A), the same everywhere, or `[factor, context..., action]`.
+        prior: P(a | s) that replaces the habit: a `PriorTable` on some of the forward model's axes, or whatever
+            `PriorTable.of` takes on all of them: (A,), (F, A), `[factor, context..., action]` or a function.
 
     Raises:
         ImitationError: a prior of another shape, below 0 or not finite.
@@ -153,7 +155,7 @@ class BayesianInverse:
         selection: str = "mean",
         *,
         trust: FloatArray | float = 1.0,
-        prior: FloatArray | None = None,
+        prior: PriorTable | ArrayLike | Callable[..., ArrayLike] | None = None,
     ) -> None:
         self.forward_model, self.rule = forward_model, selection_rule(selection)
         categories = any(axis.is_categorical for axis in forward_model.axes)
@@ -165,7 +167,9 @@ class BayesianInverse:
         total = table.sum(-1, keepdims=True)
         self.habits = np.divide(table, total, out=np.zeros_like(table), where=total > 0)
         if prior is not None:
-            self.habits = _everywhere(prior, self.habits.shape)
+            own = forward_model.action, forward_model.contexts
+            told = prior if isinstance(prior, PriorTable) else PriorTable.of(prior, own[0], *own[1])
+            self.habits = told.over(*own)
 
     def choose(self, terms: Sequence[Term], rng: np.random.Generator) -> Choice:
         """See `InverseModel`.
@@ -246,15 +250,6 @@ def single(terms: Sequence[Term]) -> Term:
     if len(terms) != 1:
         raise ImitationError(f"{len(terms)} terms: this inverse model answers one; BayesianInverse multiplies several")
     return terms[0]
-
-
-def _everywhere(prior: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """(F, A) or `[factor, context..., action]` as the latter."""
-    if prior.shape == (shape[0], shape[-1]):
-        prior = np.broadcast_to(prior.reshape(shape[0], *(1,) * (len(shape) - 2), -1), shape)
-    if prior.shape != shape or not (np.isfinite(prior) & (prior >= 0)).all():
-        raise ImitationError(f"prior of shape {prior.shape}: numbers from 0 of {(shape[0], shape[-1])} or {shape}")
-    return prior
 
 
 def _described(axis: Axis) -> str:

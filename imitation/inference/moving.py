@@ -9,6 +9,7 @@ play make two ways equally likely, their mean is neither.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -17,8 +18,10 @@ from babbling.axes import Axis, BoolArray, FloatArray
 from babbling.explanations import Explanations, Outlook
 from babbling.features import Echo
 from babbling.mind import Mind
+from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.inverse import Term
+from imitation.inference.priors import PriorTable
 from imitation.inference.selection import select_mean, selection_rule
 
 CANDIDATES = 41
@@ -32,6 +35,14 @@ FAR = (8.0, 4.0)
 
 Prior = Callable[[Outlook, FloatArray], FloatArray]
 """What one is used to, for (A, B, F) actions c - q: (A, B, F) log P(a | s, g), up to a constant."""
+
+
+CONTEXTS: dict[str, Callable[[Outlook], FloatArray]] = {
+    "posture": lambda outlook: outlook.posture,
+    "rate": lambda outlook: outlook.before[..., 1],
+    "command": lambda outlook: outlook.echo.command,
+}
+"""What a `PriorTable` may depend on, by the names of its contexts; the command is the one before this."""
 
 
 class Here(NamedTuple):
@@ -82,8 +93,12 @@ class AveragedInverse:
         forward_model: what babbling left.
         selection: name of a selection rule.
         trust: (F,) or (B, F) exponent h of the habit; 0 is the uniform prior.
-        prior: what replaces the habit.
+        prior: what replaces the habit: a function to log P(a | s), or a `PriorTable` of actions c - q in rad, whose
+            contexts are named as in `CONTEXTS`.
         candidates: actions at which the posterior is worked out.
+
+    Raises:
+        ImitationError: a prior that is neither, has other factors or contexts, or somewhere allows nothing.
     """
 
     def __init__(
@@ -92,13 +107,19 @@ class AveragedInverse:
         selection: str = "map",
         *,
         trust: FloatArray | float = 0.1,
-        prior: Prior | None = None,
+        prior: Prior | PriorTable | None = None,
         candidates: int = CANDIDATES,
     ) -> None:
         self._even = np.linspace(-1, 1, candidates)
         self._places = Axis("candidate", "1", np.zeros(1), np.array([candidates - 1.0]), candidates)
         self.forward_model, self.rule = forward_model, selection_rule(selection)
-        self.trust, self.prior = np.asarray(trust, float), prior or self.habit
+        self.trust, self._table = np.asarray(trust, float), prior if isinstance(prior, PriorTable) else None
+        if self._table is not None:
+            _check(self._table, len(forward_model.factors))
+            prior = partial(_told, self._table)
+        if not (prior is None or callable(prior)):
+            raise ImitationError("prior: a function to log P(a | s), or PriorTable.of(numbers, action axis, contexts)")
+        self.prior: Prior = prior or self.habit
 
     @classmethod
     def of(cls, mind: Mind, selection: str = "map", candidates: int = CANDIDATES) -> "AveragedInverse":
@@ -115,7 +136,11 @@ class AveragedInverse:
         return self.forward_model.at(here.posture, here.rate, here.echo).expected(command)
 
     def choose(self, here: Here, wanted: FloatArray, terms: Sequence[Term], rng: np.random.Generator) -> Decided:
-        """See `MovingInverse`."""
+        """See `MovingInverse`.
+
+        Raises:
+            ImitationError: a prior that is not a number, or allows no action that may be of use.
+        """
         model, posture = self.forward_model, here.posture
         outlook = model.at(posture, here.rate, here.echo)
         last, count, even = here.echo.command, len(self._even), self._even[:, None, None]
@@ -123,12 +148,20 @@ class AveragedInverse:
         near = last - posture + (wanted - outlook.expected(last)) / slope  # the line's answer
         width = 1 / np.sqrt((slope / model.spread) ** 2 + self.trust / model.habit[1] ** 2)
         reach = np.maximum(FAR[0] * width, FAR[1] * model.habit[1])
+        if self._table is not None:
+            near = self._table.nearest(_context(self._table, outlook), near)
 
         def logs(actions: FloatArray) -> tuple[FloatArray, FloatArray]:
             likelihood = -0.5 * ((wanted - outlook.expected(posture + actions)) / model.spread) ** 2
             for term in terms:
                 likelihood = likelihood + term.weight * np.log(np.maximum(term.likelihood(actions), 1e-300))
-            return likelihood, self.prior(outlook, actions)
+            prior = self.prior(outlook, actions)
+            if np.shape(prior) != actions.shape or not np.isfinite(prior.max(0)).all():
+                raise ImitationError(
+                    f"prior: log P(a | s) of shape {np.shape(prior)} for actions of shape {actions.shape} from "
+                    f"{actions.min():.3g} to {actions.max():.3g} rad: one number each, not NaN, and not all -inf"
+                )
+            return likelihood, prior
 
         about = near + COARSE * width * np.sinh(even * np.arcsinh(1.5 * reach / (COARSE * width)))
         roughly = np.add(*logs(about))
@@ -149,4 +182,25 @@ class AveragedInverse:
             action = (posterior.probability * candidates).sum(-1)
         else:
             action = low + (high - low) * self.rule(posterior.probability, self._places, rng) / (count - 1)
+        if self._table is not None:  # rules draw between candidates
+            action = self._table.nearest(_context(self._table, outlook), action)
         return Decided(action, candidates, posterior, outlook.beyond(posture + action))
+
+
+def _context(table: PriorTable, outlook: Outlook) -> list[FloatArray]:
+    return [CONTEXTS[axis.name](outlook) for axis in table.contexts]
+
+
+def _told(table: PriorTable, outlook: Outlook, actions: FloatArray) -> FloatArray:
+    return table.log(_context(table, outlook), actions)
+
+
+def _check(table: PriorTable, factors: int) -> None:
+    names = [axis.name for axis in table.contexts]
+    if table.action.factors != factors or not set(names) <= set(CONTEXTS):
+        raise ImitationError(
+            f"prior of {table.action.factors} factors, given {', '.join(names) or 'nothing'}: there are {factors} "
+            f"factors, and it may be given {', '.join(CONTEXTS)}"
+        )
+    if not table.probability.sum(-1).all():
+        raise ImitationError("prior: a row is all zero, so that no action is allowed there; give it at least one")

@@ -1,4 +1,4 @@
-"""Priors learned by counting what was watched: P(a | s, g) and P(s | g) (chapter, sections 3.2 and 3.3.2).
+"""Priors: any P(a | s) as a table, and those learned by counting what was watched (chapter, sections 3.2 and 3.3.2).
 
 "This can be achieved by keeping a count of the number of times each action is executed at each location, given a fixed
 goal location." Where nobody was watched the prior is zero, not unknown: that is kept, shown and counted. Smoothing is a
@@ -7,16 +7,99 @@ choice of the one who asks, never a default:
     P(a | s, g) = (n[g, s, a] + k) / (n[g, s] + k A)        P(s | g) = (n[g, s] + k) / (n[g] + k S)
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import expit, gammaln
 
-from babbling.axes import FloatArray, IntArray, fixed
+from babbling.axes import Axis, FloatArray, IntArray, fixed, located
 from imitation.episodes import Episode, check_range
 from imitation.errors import ImitationError
+
+
+@dataclass(frozen=True, eq=False)
+class PriorTable:
+    """P(action | context) on a grid of actions, in no context or on the grids of some: what inverse models take."""
+
+    probability: FloatArray
+    """(F, C..., A): rows sum to 1, or are zero where nothing is allowed."""
+    action: Axis
+    contexts: tuple[Axis, ...]
+
+    @classmethod
+    def of(cls, given: ArrayLike | Callable[..., ArrayLike], action: Axis, *contexts: Axis) -> "PriorTable":
+        """Any P(action | context); only proportions within a row matter: each is made to sum to 1.
+
+        Args:
+            given: (A,) numbers for all F factors and contexts alike, (F, A) for all contexts alike, (F, C..., A); or a
+                function of the grid points of the contexts and of the actions, (F, C..., A) each, to such numbers.
+            action: its axis, of F factors and A points.
+            contexts: axes of F factors and C... points, as many as the prior depends on.
+
+        Raises:
+            ImitationError: another shape, numbers below 0 or not finite, axes that differ in their factors.
+        """
+        axes, factors = (*contexts, action), action.factors
+        if any(axis.factors != factors for axis in axes):
+            told = ", ".join(f"{axis.factors} of {axis.name!r}" for axis in axes)
+            raise ImitationError(f"prior on axes of different factors ({told}): one for each motor")
+        shape = (factors, *(axis.size for axis in axes))
+        if callable(given):
+            points = [
+                axis.points.reshape(factors, *(axis.size if n == one else 1 for n in range(len(axes))))
+                for one, axis in enumerate(axes)
+            ]
+            given = given(*np.broadcast_arrays(*points))
+        numbers = np.asarray(given, float)
+        able = list(dict.fromkeys([shape[-1:], (factors, shape[-1]), shape]))
+        if numbers.shape not in able:
+            raise ImitationError(f"prior of shape {numbers.shape}: {' or '.join(map(str, able))} is possible here")
+        if not ((numbers >= 0) & np.isfinite(numbers)).all():
+            bad = numbers[~((numbers >= 0) & np.isfinite(numbers))].flat[0]
+            raise ImitationError(f"prior of shape {numbers.shape} holds {bad:g}: numbers must be finite and at least 0")
+        if numbers.ndim == 2:
+            numbers = numbers.reshape(factors, *(1,) * len(contexts), -1)
+        total = numbers.sum(-1, keepdims=True)
+        even = (abs(total - 1) < 1e-9) | (total == 0)  # numbers that sum to 1 stay as they are, to the last bit
+        return cls(np.broadcast_to(numbers / np.where(even, 1, total), shape), action, contexts)
+
+    def over(self, action: Axis, contexts: Sequence[Axis]) -> FloatArray:
+        """(F, C..., A) the same prior on all these axes.
+
+        Raises:
+            ImitationError: it is about other actions, or depends on something else.
+        """
+        if not self.action.same(action) or not all(any(mine.same(one) for one in contexts) for mine in self.contexts):
+            mine, told = (", ".join(axis.name for axis in axes) for axes in ((*self.contexts, self.action), contexts))
+            raise ImitationError(
+                f"prior on the axes {mine}: its actions must be on the forward model's own axis {action.name!r}, what "
+                f"it depends on on some of its contexts ({told or 'it has none'})"
+            )
+        places = [next(n for n, one in enumerate(contexts) if one.same(mine)) for mine in self.contexts]
+        table = self.probability.transpose(0, *(np.argsort(places) + 1), -1)
+        sizes = [axis.size if n in places else 1 for n, axis in enumerate(contexts)]
+        whole = (len(table), *(axis.size for axis in contexts), action.size)
+        return np.broadcast_to(table.reshape(len(table), *sizes, action.size), whole)
+
+    def log(self, context: Sequence[FloatArray], actions: FloatArray) -> FloatArray:
+        """(..., F) log P(a | s) up to a constant, of (..., F) actions in contexts that broadcast against them.
+
+        Between grid points it is interpolated; beyond the ends of the actions' axis nothing is allowed.
+        """
+        values = [np.broadcast_to(one, actions.shape) for one in context]
+        found = located(self.action.factors, (*self.contexts, self.action), [*values, actions]).read(self.probability)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(np.where(self.action.soft(actions).inside, found, 0)))
+
+    def nearest(self, context: Sequence[FloatArray], actions: FloatArray) -> FloatArray:
+        """(..., F) the same actions where they are allowed, else the nearest grid point that is."""
+        row = located(self.action.factors, self.contexts, context).read(self.probability)
+        row = np.broadcast_to(row, (*actions.shape, self.action.size))
+        away = np.where(row > 0, abs(self.action.points - actions[..., None]), np.inf).argmin(-1)
+        there = np.take_along_axis(np.broadcast_to(self.action.points, row.shape), away[..., None], -1)[..., 0]
+        return np.where(np.isfinite(self.log(context, actions)), actions, there)
 
 
 @dataclass(frozen=True, eq=False)
