@@ -147,7 +147,7 @@ def test_a_piece_that_unpacks_to_more_than_it_says_is_not_unpacked(file: Path) -
 
 
 def test_what_could_not_be_read_again_is_not_written(arm_mind: Mind, tmp_path: Path) -> None:
-    wild = replace(arm_mind, temper=Temper(np.array([0.5, np.nan, 0.5]), np.ones(3)))
+    wild = replace(arm_mind, temper=Temper(np.array([0.5, np.nan, 0.5]), np.ones(3), np.zeros(3)))
     with pytest.raises(BabblingError, match="cannot be written: temper_eagerness holds nan; 0 to 2"):
         save(wild, tmp_path / "arm.nc")
     few = replace(arm_mind, temper=Temper.cautious(2))
