@@ -23,7 +23,7 @@ from babbling.features import HINGES, SLOW, WIDTHS, ZONES, Features
 from babbling.frame import MARGIN, QUANTILE, Frame, shares
 from babbling.kinds import Numbers
 from babbling.loop import explore
-from babbling.schema import BodySchema, Told, find_schema, one_by_one, together
+from babbling.schema import BodySchema, Told, Unfelt, find_schema, one_by_one, together
 
 JITTER, JITTER_SHARE = 0.0105, 1 / 80
 """Command noise while babbling, so that actions vary at every speed: rad, about 0.6 degrees, but no more than this
@@ -113,12 +113,7 @@ def begin(
     tick = body.tick_s
     middle, half = (body.motor_low + body.motor_high) / 2, (body.motor_high - body.motor_low) / 2
     everything = MotorRange(body.motor_low, body.motor_high, middle, half / 2, 0 * half)
-    rng, enough = np.random.default_rng([seed, 1]), max(PER_MOTOR_S * len(half), AT_ONCE_S)
-    if WIRING_S * body.copies < enough:
-        slot = float(np.clip((WIRING_S - SETTLE_S) / len(half), LEAST_SLOT_S, PER_MOTOR_S / 2))
-        schema, _ = wire(body, in_turn(everything, body.copies, tick, rng, slot, SETTLE_S), told=one_by_one)
-    else:
-        schema, _ = wire(body, smooth(everything, body.copies, tick, rng))
+    schema, wired = _wired(body, everything, seed)
     if not len(schema.rate):
         raise BabblingError(
             f"{len(body.motor_low)} motors but only {len(body.sense_low)} senses: each motor needs one that says where "
@@ -148,12 +143,27 @@ def begin(
     seen = _experienced(features, dynamics, *run)
     features = replace(features, share=shares(*seen))
     seen = _experienced(features, dynamics, *run)
-    minutes = pilot_minutes(body.copies)
+    minutes = (wired * tick + PILOT_S) * body.copies / 60
     frame = Frame.found(features, *seen)
     found = Pilot(schema, span, low, high, ends.T, dynamics, frame, minutes, body.fingerprint)
     model = found.forward_model()
     model.observe(*seen, foretell=False)  # the frame has seen it already
     return found, model
+
+
+def _wired(body: Body, everything: MotorRange, seed: int) -> tuple[BodySchema, int]:
+    """What moves what, and the ticks it took: all motors at once, where time and luck are enough to tell them apart;
+    otherwise one at a time."""
+    count, copies, tick, spent = len(everything.low), body.copies, body.tick_s, 0
+    if WIRING_S * copies >= max(PER_MOTOR_S * count, AT_ONCE_S):
+        try:
+            return wire(body, smooth(everything, copies, tick, np.random.default_rng([seed, 1])))
+        except Unfelt:
+            spent = round((SETTLE_S + REST_S + WIRING_S) / tick)
+    slot = float(np.clip((WIRING_S - SETTLE_S) / count, LEAST_SLOT_S, PER_MOTOR_S / 2))
+    turns = in_turn(everything, copies, tick, np.random.default_rng([seed, 1]), slot, SETTLE_S)
+    schema, wired = wire(body, turns, told=one_by_one)
+    return schema, spent + wired
 
 
 def _believed(

@@ -84,6 +84,10 @@ def mutual_information(x: FloatArray, y: FloatArray, bins: int = BINS) -> FloatA
     return np.asarray(np.maximum(result - (bins - 1) ** 2 / (2 * len(x) * np.log(2)), 0))
 
 
+class Unfelt(BabblingError):
+    """A motor that moves nothing that is felt, as far as could be told."""
+
+
 def together(motors: FloatArray, senses: FloatArray) -> tuple[FloatArray, float]:
     """(M, S) bits that (T, B, S) senses tell about (T, B, M) commands that all change at once, and how many another
     copy's commands seem to tell: smooth movements are far fewer samples than ticks."""
@@ -132,7 +136,7 @@ def find_schema(
     weak = information[rows, posture] < chance
     if weak.any():
         dead = int(np.argmax(weak))
-        raise BabblingError(
+        raise Unfelt(
             f"motor {dead} moves nothing that is felt: at most {information[dead].max():.2f} bit with any sense, where "
             f"chance alone explains {chance:.2f}; connect it, leave it out, or babble longer"
         )
