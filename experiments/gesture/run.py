@@ -37,7 +37,7 @@ def run(config: Config) -> Result:
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
     balance = take_balance(config) if config.balance is not None else None
-    seen = watch(config.demonstration, body, config.motion)
+    seen = watch(config.demonstration, body, config.motion, config.unit)
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
             learned = learn_mind(config, config.babbling_minutes, report)

@@ -160,6 +160,15 @@ class BodyOptions(WiredOptions):
 
 
 @options
+class WatchingOptions(Options):
+    """Watching movements that people bring."""
+
+    unit: Literal["rad", "deg"] | None = None
+    """Unit of the joint angles in a demonstration's file, whatever it declares; without it, what it declares, or
+    radians."""
+
+
+@options
 class MirrorOptions(WiredOptions):
     """How well one sees, and how long one looks into the mirror."""
 

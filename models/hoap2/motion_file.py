@@ -29,7 +29,7 @@ def parse_motion_file(rows: Table) -> JointTrajectory:
     if rows.cells.shape[1] != FIELDS:
         raise BodyError(f"{rows.where(0)} has {rows.cells.shape[1]} fields where a HOAP-2 motion file has {FIELDS}")
     fields = rows.numbers(slice(None), range(FIELDS), [f"field {field + 1}" for field in range(FIELDS)])
-    for row in np.flatnonzero(fields[:, 0] <= 0):
+    for row in np.flatnonzero(fields[:, 0] <= 0).tolist():
         raise BodyError(f"{rows.where(row)}: sampling interval {fields[row, 0]:g} ms; it must be above 0")
     time = np.concatenate([[0.0], np.cumsum(fields[:-1, 0])]) / 1000
     angles = np.zeros((len(fields), len(JOINTS)))

@@ -48,11 +48,14 @@ def check_pace(movement: JointTrajectory, slides: Collection[str] = ()) -> None:
     if pace.max() <= FASTEST:
         return
     frame, column = np.unravel_index(int(pace.argmax()), pace.shape)
+    most, limit = np.rad2deg([pace.max(), FASTEST])
     way = float(np.rad2deg(np.ptp(movement.angles[frame : frame + 2, column])))
     mend = "unwrap it where it turns past 180 deg" if abs(way - 360) < 90 else "take bad frames out"
+    if np.abs(movement.angles[:, column]).max() > 4 * np.pi:
+        mend = "or are these degrees? declare that unit (# unit: deg, or --unit deg)"
     raise BodyError(
         f"{movement.name}: joint {movement.joints[column]!r} jumps by {way:.1f} deg from frame {frame + 1} to "
-        f"{frame + 2}, {np.rad2deg(pace.max()):.0f} deg/s, where no joint is faster than {np.rad2deg(FASTEST):.0f}; {mend}"
+        f"{frame + 2}, {most:.0f} deg/s, where no joint is faster than {limit:.0f}; {mend}"
     )
 
 
