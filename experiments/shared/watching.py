@@ -87,7 +87,7 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None, u
     time = np.arange(len(oracle.angles), dtype=float) * body.tick_s
     trajectory = JointTrajectory(performance.name, time, JOINTS, oracle.angles).reordered(body.joints)
     paced = Seen.paced(performance.name, trajectory.angles, oracle.found.slowed, body)
-    return told(replace(paced, performance=performance, oracle=oracle, remarks=remarks))
+    return told(replace(paced, performance=performance, oracle=oracle, remarks=remarks + performance.remarks))
 
 
 def told(seen: Seen) -> Seen:

@@ -144,7 +144,7 @@ def _landmarks(model: pin.Model) -> dict[str, int]:
         return float(np.linalg.norm(data.oMi[one].translation - data.oMi[other].translation))
 
     for side in SIDES:
-        ours = [number for number in range(1, model.njoints) if _side(names[number]) == side]
+        ours = [number for number in range(1, model.njoints) if side_of(names[number]) == side]
         ours.sort(key=lambda number: len(supports[number]))
         balls: dict[str, list[int]] = {}
         for landmark, words in WORDS.items():
@@ -169,12 +169,12 @@ def _landmarks(model: pin.Model) -> dict[str, int]:
     return found
 
 
-def _side(name: str) -> str | None:
+def side_of(name: str) -> str | None:
     """Side of a joint: the word left or right, an L or R in front (LARM, lHip, l_hip), or such a letter on its own."""
     for side in SIDES:
         if side in name.lower():
             return side
-    words = _plain(name).split("_")
+    words = re.split("[^a-z0-9]+", _plain(name))
     if words[0] in FOUR_LEGS:
         return FOUR_LEGS[words[0]]
     for side in SIDES:
@@ -205,7 +205,7 @@ def _carriers(model: pin.Model, landmarks: Mapping[str, int]) -> dict[str, int]:
             number
             for number in range(1, model.njoints)
             if any(word in _plain(model.names[number]) for word in words)
-            and (side is None or (_side(model.names[number]) == side and f"{side}_ankle" in landmarks))
+            and (side is None or (side_of(model.names[number]) == side and f"{side}_ankle" in landmarks))
         ]
         if side is not None and not near and f"{side}_ankle" in landmarks:
             ankle = landmarks[f"{side}_ankle"]
