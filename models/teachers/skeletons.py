@@ -13,8 +13,8 @@ from itertools import combinations, pairwise, zip_longest
 import numpy as np
 
 from models.arrays import FloatArray
+from models.teachers.names import side_of
 from models.teachers.performance import SIDES, TeacherError, unit
-from models.teachers.teacher import side_of
 
 CALLED = {
     "shoulder": ("arm", "upperarm", "uparm", "shoulder", "humerus"),
