@@ -127,6 +127,8 @@ class Options:
     """Seed of everything random."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for the results; default runs/NAME."""
+    quiet: bool = False
+    """No progress, remarks or tables: only where the results are."""
 
     def check(self) -> None:
         """Refuse options that cannot be meant, before anything is loaded or spent.
