@@ -48,7 +48,8 @@ class Table:
             cell = cells[row, column] if len(cells[row, column]) <= 30 else cells[row, column][:27] + "..."
             place = self.where(range(len(self.lines))[rows][row])
             raise BodyError(f"{place}, {called[column]}: {cell!r} is not a finite number")
-        return np.asarray(values, float)
+        exact = flat.to_numpy(object).astype(float)  # to_numeric is from pandas 3 on
+        return np.asarray(exact.reshape(cells.shape), float)
 
 
 def table(content: str, path: Path) -> Table:

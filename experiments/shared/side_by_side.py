@@ -33,7 +33,7 @@ def log_teacher(stream: rr.RecordingStream, performance: Performance, frames: in
     columns = points.reshape(len(points), -1).T
     even: FloatArray = np.stack([np.interp(at, performance.time, column) for column in columns], 1)
     even = even.reshape(frames, -1, 3)
-    even = even * (TEACHER_HEIGHT / np.quantile(np.ptp(even[..., 2], axis=1), 0.9))
+    even = even * (TEACHER_HEIGHT / np.quantile(np.ptp(even, axis=1).max(1), 0.9))
     even[..., :2] -= even[..., :2].mean(1, keepdims=True)
     even[..., 2] -= even[..., 2].min()
     even[..., 1] += BESIDE

@@ -149,10 +149,11 @@ def watch_urdf(
     Raises:
         BodyError: no motion; a URDF without any limb; a motion of joints it does not have.
     """
+    teacher = read_urdf(demonstration)
     if motion is None:
-        read_urdf(demonstration)
         raise BodyError(
             f"{demonstration}: a URDF does not move by itself; give its joint angles with --motion FILE.csv"
         )
-    performance, found = perform_urdf(demonstration, read_motion(motion, unit=unit))
-    return performance, remarks(found, demonstration)
+    movement = read_motion(motion, None, unit, teacher.slides, teacher.limits)
+    performance, found = perform_urdf(demonstration, movement)
+    return performance, (*remarks(found, demonstration), *gaps(movement))

@@ -36,12 +36,14 @@ def read_motion(
     ranges: Mapping[str, tuple[float, float]] | None = None,
     unit: Unit | None = None,
     slides: Collection[str] = (),
+    joints: Collection[str] = (),
 ) -> JointTrajectory:
     """The movement in a file.
 
     ranges: joint -> lowest and highest angle in radians of the body that is to do it; every joint of the file must be
     one of them and stay inside. unit: of the angles, overruling what the file declares (radians if it says nothing).
-    slides: joints whose numbers are lengths, metres unless their columns say otherwise.
+    slides: joints whose numbers are lengths, metres unless their columns say otherwise. joints: names that there are,
+    where ranges do not say.
 
     Raises:
         BodyError: a file that cannot be read, or a movement that cannot be meant.
@@ -50,7 +52,7 @@ def read_motion(
     if suffix not in FORMATS:
         checked(path)
         raise BodyError(f"{path}: {unknown('motion file suffix', suffix, FORMATS)}")
-    trajectory = FORMATS[suffix](path, unit, ranges or (), slides)
+    trajectory = FORMATS[suffix](path, unit, ranges or joints, slides)
     if ranges is not None:
         trajectory.check_ranges(ranges, slides)
     check_pace(trajectory, slides)

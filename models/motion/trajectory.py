@@ -24,7 +24,7 @@ class JointTrajectory:
     name: what people call the movement.
     time: (T,) seconds, strictly increasing from 0, T >= 3; need not be evenly spaced.
     joints: J distinct joint names.
-    angles: (T, J) radians, finite.
+    angles: (T, J) radians (metres of what slides), finite.
     The arrays are copied and read-only. A value that breaks this raises BodyError.
     """
 

@@ -82,6 +82,12 @@ class Teacher:
         places = zip(list(self.model.names)[1:], list(self.model.idx_qs)[1:], strict=True)
         return {joint: (float(low[place]), float(high[place])) for joint, place in places}
 
+    @property
+    def slides(self) -> tuple[str, ...]:
+        """Joints whose numbers are metres."""
+        kinds = zip(list(self.model.names)[1:], list(self.model.joints)[1:], strict=True)
+        return tuple(joint for joint, kind in kinds if kind.shortname().startswith("JointModelP"))
+
     def postures(self, trajectory: JointTrajectory) -> FloatArray:
         """(T, nq) configurations when it moves like this; joints that are not named stay at zero.
 

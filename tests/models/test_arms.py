@@ -40,6 +40,10 @@ def test_both_arms_are_found(name: str) -> None:
             assert there[f"{side}_{mark}"] == joint.format(side)
     assert not {part for part in found.missing if part.endswith("arm")}
     assert "head" in found.carriers
+    assert not {*found.slides} & {
+        name for names in ARMS.values() for side in SIDES for name in map(str.format, names, [side] * 3)
+    }
+    assert ("torso_lift_joint" in found.slides) == ("tiago" in name)
 
 
 def test_arms_that_are_only_numbered_are_left_and_right_by_place() -> None:
