@@ -29,6 +29,7 @@ CLOCKS = {
     **dict.fromkeys(("ns", "nsec", "nanoseconds"), 1e-9),
     "min": 60.0,
 }
+LONGEST_NAME = 100
 TIMES = ("time", "timestamp", "timestamps", "t")
 COUNTS = ("", "index", "frame", "frames", "row", "sample", "id", "no", "nr", "#", "unnamed: 0")
 """What a column that counts rows is called."""
@@ -67,6 +68,9 @@ def parse_table(
     if not len(rows.cells):
         raise BodyError(f"{rows.path}: has no header; the first line must be time,<joint>,<joint>,...")
     header: list[str] = rows.cells[0].tolist()
+    for column, cell in enumerate(header, start=1):
+        if len(cell) > LONGEST_NAME:
+            raise BodyError(f"{rows.where(0)}: the name of column {column} has {len(cell)} characters; name the joint")
     columns = [_column(cell, joints) for cell in header]
     clock = next((i for one in TIMES for i, (name, _) in enumerate(columns) if name.lower() == one), None)
     if clock is None:

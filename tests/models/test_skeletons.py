@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from models.errors import BodyError
 from models.teachers.performance import PARTS, Performance
 from models.teachers.performing import perform
+from models.teachers.skeletons import Skeleton
 from tests.models.captures import moving, postures, shown, write_bvh
 
 ROWS = {
@@ -23,8 +24,8 @@ ROWS = {
         "femur": "{Side}UpLeg", "tibia": "{Side}Leg", "foot": "{Side}Foot", "toes": "{Side}ToeBase", "": "mixamorig:",
     },
     "SMPL": {
-        "clavicle": "{S}_Collar", "humerus": "{S}_Shoulder", "radius": "{S}_Elbow", "wrist": "{S}_Wrist",
-        "hand": "{S}_Hand", "femur": "{S}_Hip", "tibia": "{S}_Knee", "foot": "{S}_Ankle", "toes": "{S}_Foot",
+        "clavicle": "{S}_Collar", "humerus": "{S}_Shoulder", "radius": "{S}_Elbow", "hand": "{S}_Wrist",
+        "fingers": "{S}_Hand", "femur": "{S}_Hip", "tibia": "{S}_Knee", "foot": "{S}_Ankle", "toes": "{S}_Foot",
     },
     "Xsens": {
         "clavicle": "{Side}Shoulder", "humerus": "{Side}UpperArm", "radius": "{Side}ForeArm", "hand": "{Side}Hand",
@@ -103,6 +104,28 @@ def test_what_is_not_there_does_not_matter(tmp_path: Path, without: tuple[str, .
     seen = perform(write_bvh(tmp_path / "a.bvh", None, called(ROWS["numbers"]), without=without))
     assert set(PARTS) - set(seen.directions) == ({"head"} if "lowerneck" in without else set())
     assert max(off(shown(), seen).values()) < 0.02
+
+
+def test_the_root_may_be_anywhere() -> None:
+    """A figure that hangs from its chest, its arms listed first."""
+    arm, leg = (
+        [(0, 0.2, 0), (0, 0.5, 0), (0, 0.8, 0)],
+        [(0, 0.1, -0.5), (0, 0.1, -0.9), (0, 0.1, -1.3), (0.2, 0.1, -1.3)],
+    )
+    mirrored = [[(x, -y, z) for x, y, z in limb] for limb in (arm, leg)]
+    places = np.array([(0, 0, 0), *mirrored[0], *arm, (0, 0, 0.1), (0, 0, 0.3), (0, 0, -0.5), *mirrored[1], *leg])
+    parents = [-1, 0, 1, 2, 0, 4, 5, 0, 7, 0, 9, 10, 11, 12, 9, 14, 15, 16]
+    landmarks, carriers = Skeleton([f"{i}" for i in range(18)], parents, places[None].astype(float)).found()
+    chains = {
+        "right_shoulder": 1,
+        "left_shoulder": 4,
+        "left_wrist": 6,
+        "right_hip": 10,
+        "left_hip": 14,
+        "left_ankle": 16,
+    }
+    assert {mark: landmarks[mark] for mark in chains} == chains
+    assert (carriers["torso"], carriers["pelvis"], carriers["head"]) == (0, 9, 8)
 
 
 def test_without_toes_knees_tell_and_without_these_nobody(tmp_path: Path) -> None:
