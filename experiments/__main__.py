@@ -1,20 +1,24 @@
-"""The command line: `imitate NAME [options]`, `imitate list`, `imitate --help`."""
+"""The command line: `imitate NAME [options]`, `imitate list`, `imitate --help`, `--version`, `--completion SHELL`."""
 
 import io
+import os
 import re
 import sys
-from contextlib import redirect_stderr
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from importlib.metadata import version
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from babbling.errors import BabblingError
 from experiments.errors import ExperimentError
-from experiments.registry import EXPERIMENTS, entry
+from experiments.registry import EXPERIMENTS, Entry, entry
 from models.errors import BodyError
 
 if TYPE_CHECKING:
     from experiments.shared.options import Options
 
-USAGE = "usage: imitate NAME [options] | imitate list | imitate NAME --help"
+USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | imitate --version
+       eval "$(imitate --completion bash)" completes names and options (zsh: the same)"""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -23,6 +27,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if not words or words[0] in ("-h", "--help", "list"):
             listing(full=not words or words[0] != "list")
+            return 0
+        if words[0] in ("--version", "--completion"):
+            print(about() if words[0] == "--version" else completion(words[1:]), end="")
             return 0
         return run(words[0], words[1:])
     except (BabblingError, BodyError) as error:
@@ -41,6 +48,21 @@ def script(package: str | None) -> None:
     sys.exit(main([str(package).rpartition(".")[2], *sys.argv[1:]]))
 
 
+def about() -> str:
+    """Version, and commit where there is one."""
+    from experiments.shared.experiment import commit
+
+    where = commit()
+    return f"imitate {version('imitation-laboratory')}{f' ({where})' if where else ''}\n"
+
+
+def completion(words: list[str]) -> str:
+    """The script that completes names and options in a shell."""
+    from experiments.completion import script
+
+    return script(" ".join(words) or "bash")
+
+
 def listing(*, full: bool) -> None:
     """Every experiment with its line."""
     if full:
@@ -51,16 +73,29 @@ def listing(*, full: bool) -> None:
 
 
 def run(name: str, words: list[str]) -> int:
-    """Parse options, run, publish, show."""
+    """Parse options and do it, in silence where that is wanted; the exit status."""
     one = entry(name)
     config = parse(one.options(), name, words)
     if config is None:
         return 0
     config.check()
+    with ExitStack() as silence:
+        if config.quiet:
+            nowhere = silence.enter_context(open(os.devnull, "w"))
+            silence.enter_context(redirect_stdout(nowhere))
+            silence.enter_context(redirect_stderr(nowhere))
+        out = do(one, name, config)
+    if config.quiet:
+        print(out)
+    return 0
+
+
+def do(one: Entry, name: str, config: "Options") -> Path:
+    """Run, publish, show; where the results are."""
     module = one.load()
     if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
-        module.command(config)
-        return 0
+        left: Path = module.command(config)
+        return left
     from experiments.shared.experiment import check_out, folder, publish
     from experiments.shared.tables import show
 
@@ -69,7 +104,7 @@ def run(name: str, words: list[str]) -> int:
     out = publish(name, config, result)
     show(result.summary)
     print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
-    return 0
+    return out
 
 
 def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None":

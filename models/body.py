@@ -84,7 +84,7 @@ class SimulatedBody:
             if motor not in names:
                 raise BodyError(unknown("joint with a motor", motor, names))
         self.joints = tuple(motors or names)
-        self._servos = np.array([names.index(joint) for joint in self.joints])
+        self.actuators = np.array([names.index(joint) for joint in self.joints])
         self.moved = tuple(known[joint] for joint in self.joints)
         self.units = tuple(one.unit for one in self.moved)
         self.shown_units = tuple(SHOWN[unit][0] for unit in self.units)
@@ -95,7 +95,7 @@ class SimulatedBody:
         self._qpos, self._dof = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         self._tendons = [(m, [*one.joints], [*one.shares]) for m, one in enumerate(self.moved) if len(one.joints) > 1]
         self.joint_range: FloatArray = np.array([reach(model, one) for one in self.moved])
-        control: FloatArray = model.actuator_ctrlrange[self._servos]
+        control: FloatArray = model.actuator_ctrlrange[self.actuators]
         self._low, self._high = control.T.copy()
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
         self._key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
@@ -145,7 +145,7 @@ class SimulatedBody:
             self.batch.ctrl[:] = np.clip(resting, *self.model.actuator_ctrlrange.T)
         if self._sensors:
             self.batch.forward()
-        self._played[:] = self.batch.ctrl[:, self._servos]
+        self._played[:] = self.batch.ctrl[:, self.actuators]
         self.time = 0.0
         return self._feel()
 
@@ -158,7 +158,7 @@ class SimulatedBody:
         if not np.isfinite(motors).all():
             raise BodyError(f"{self.name}: a motor command is not a number at {self.time:.2f} s")
         command = self.commands(np.take_along_axis(np.asarray(motors, float), self._plugs, 1))
-        self.batch.ctrl[:, self._servos] = self.wear.follow(self._played, command, self._low, self._high)
+        self.batch.ctrl[:, self.actuators] = self.wear.follow(self._played, command, self._low, self._high)
         warnings = self.batch.warning[..., 1].copy()
         told = mujoco.get_mju_user_warning()
         mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
@@ -275,7 +275,7 @@ class SimulatedBody:
         An explicit step of dt is stable while kp dt^2 / inertia < 4; MuJoCo names the first joint that went wrong,
         and one servo that is too stiff shakes them all.
         """
-        stiffness = self.model.actuator_gainprm[self._servos, 0] * self.model.dof_invweight0[self._dof]
+        stiffness = self.model.actuator_gainprm[self.actuators, 0] * self.model.dof_invweight0[self._dof]
         stiffness = stiffness * self.model.opt.timestep**2
         if stiffness.max() > 1 or not warnings.any():
             return self.joints[int(np.argmax(stiffness))]

@@ -1,6 +1,6 @@
-"""Opening what strangers send: looked at before it is read; tables as numbered rows of text."""
+"""Opening what strangers send: looked at before it is read."""
 
-import csv
+import codecs
 import os
 from pathlib import Path
 
@@ -36,34 +36,21 @@ def checked(path: str | os.PathLike[str], limit_bytes: int = LIMIT_BYTES) -> Pat
 
 
 def text(path: str | os.PathLike[str], limit_bytes: int = LIMIT_BYTES) -> str:
-    """Whole text of a checked file (UTF-8, a byte order mark is allowed)."""
+    """Whole text of a checked file: UTF-8, UTF-16 that begins with its byte order mark, or else cp1252 (Latin-1)."""
     path = checked(path, limit_bytes)
     try:
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        raise BodyError(f"{path}: is not text (byte {fault.start} is not UTF-8); give a text file") from None
+        raw = path.read_bytes()
     except OSError as fault:
         raise BodyError(f"{path}: cannot be read ({_reason(fault)})") from None
-
-
-def table(content: str, path: Path) -> list[tuple[str, list[str]]]:
-    """Rows of comma-separated text: each line's place for errors ("PATH: line 3") and its cells, stripped.
-
-    Blank lines and comments (#) are left out. All rows have as many cells as the first, otherwise BodyError.
-    """
-    rows: list[tuple[str, list[str]]] = []
-    for number, line in enumerate(content.splitlines(), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
+    wide = raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
         try:
-            cells = [cell.strip() for cell in next(csv.reader([line]))]
-        except csv.Error as fault:
-            raise BodyError(f"{path}: line {number} cannot be read ({fault})") from None
-        if rows and len(cells) != len(rows[0][1]):
-            width = len(rows[0][1])
-            raise BodyError(f"{path}: line {number} has {len(cells)} cells where the first has {width}; mend the line")
-        rows.append((f"{path}: line {number}", cells))
-    return rows
+            content = raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in content:
+            return content
+    raise BodyError(f"{path}: is not text (UTF-8, UTF-16 with its mark, or Latin-1); give a text file, best in UTF-8")
 
 
 def finite(cell: str, where: str) -> float:

@@ -3,6 +3,8 @@
 import json
 import re
 import runpy
+import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +18,7 @@ import models.loading
 from babbling.loop import babble  # noqa: F401
 from babbling.mind import learn
 from babbling.states import Wanderer  # noqa: F401
-from experiments.__main__ import main
+from experiments.__main__ import main, parse
 from experiments.registry import EXPERIMENTS, Entry
 from imitation.acting.follow import Follower, follow  # noqa: F401  (what the pages name)
 from imitation.acting.loop import Imitator  # noqa: F401
@@ -69,6 +71,33 @@ def sway(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
         yield name
         for module in [one for one in sys.modules if one.startswith(f"experiments.{name}")]:
             del sys.modules[module]
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+def test_every_command_can_be_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """README.md's commands, each read by a shell and by the options, in order: what one reads was left by one before,
+    or is somebody's capture."""
+    text = re.sub(r"```.*?```", "", (ROOT / "README.md").read_text().replace("\\\n", " "), flags=re.DOTALL)
+    lines = re.findall(r"^ {4}(imitate .*)$|`((?:imitate|for \w+ in [^`]*?imitate)\s[^`]*)`", text, re.MULTILINE)
+    assert len(lines) > 30
+    monkeypatch.chdir(tmp_path)
+    for line in (" ".join((one or other).split()) for one, other in lines):
+        say = 'imitate() { printf "%s\\n" "$@" "--END--"; }; ' + line
+        told = subprocess.run(["bash", "-euo", "pipefail", "-c", say], capture_output=True, text=True, check=False)
+        assert told.returncode == 0 and not told.stderr, f"{line}: {told.stderr}"
+        commands = [command.splitlines() for command in told.stdout.split("--END--\n") if command]
+        assert commands, line
+        for name, *words in commands:
+            if name == "list":
+                continue
+            for file in (Path(word) for word in words):
+                if file.suffix in (".amc", ".bvh"):
+                    file.write_text("a capture")
+            config = parse(EXPERIMENTS[name].options(), name, words)
+            assert config is not None, line
+            config.check()
+            if config.out is not None:
+                Path(config.out).write_text("left")
 
 
 def test_the_five_lines_run(monkeypatch: pytest.MonkeyPatch) -> None:

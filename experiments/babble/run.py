@@ -19,8 +19,8 @@ from experiments.shared.standing import standing_of
 from experiments.shared.tables import show, table
 
 
-def command(config: Config) -> None:
-    """Babble into a file.
+def command(config: Config) -> Path:
+    """Babble into a file, and say which.
 
     While it runs, FILE.partial holds what was learned so far; it is gone when FILE is complete.
 
@@ -31,8 +31,7 @@ def command(config: Config) -> None:
     if config.stand:
         must_stand(config.robot)
     if config.sees:
-        with_eyes(config)
-        return
+        return with_eyes(config)
     out = config.out or Path("runs") / f"{Path(config.robot).stem}.nc"
     check_file(out, Mind, "forward model", (out.with_suffix(".json"), out.with_suffix(".png")))
     if config.stand:
@@ -64,6 +63,7 @@ def command(config: Config) -> None:
         rows.append(("learning to stand", f"{balance.minutes.sum():.1f} body-minutes, {balance.falls.sum():g} falls"))
     show(table(rows))
     print(f"\nwritten to {out} (and {', '.join(file.name for file in beside)} beside it)")
+    return out
 
 
 def balance_file(out: Path) -> Path:
@@ -71,7 +71,7 @@ def balance_file(out: Path) -> Path:
     return out.with_suffix(".balance.nc")
 
 
-def with_eyes(config: Config) -> None:
+def with_eyes(config: Config) -> Path:
     """A head's babble: what `imitate saccades` does, into a folder.
 
     Raises:
@@ -92,3 +92,4 @@ def with_eyes(config: Config) -> None:
     publish("saccades", looking, result)
     show(result.summary)
     print(f"\nwritten to {out}")
+    return out

@@ -13,7 +13,7 @@ from experiments.shared.options import (
     BodyOptions,
     Demonstration,
     Minutes,
-    Options,
+    WatchingOptions,
     known,
     options,
     some,
@@ -49,7 +49,7 @@ def _model(option: str, name: str) -> None:
 
 
 @options
-class Config(Options):
+class Config(WatchingOptions):
     """Options of `imitate benchmark`."""
 
     clips: Annotated[tuple[Demonstration, ...], some] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")

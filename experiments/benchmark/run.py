@@ -67,7 +67,7 @@ def watched(config: Config) -> Clips:
     with progress("watching") as report:
         clips = {}
         for done, clip in enumerate(config.clips):
-            clips[Path(clip).name] = watch(clip, body).angles
+            clips[Path(clip).name] = watch(clip, body, unit=config.unit).angles
             report((done + 1) / len(config.clips))
     return clips
 

@@ -1,5 +1,6 @@
 """Options of `imitate gesture`."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from experiments.errors import ExperimentError
@@ -13,6 +14,7 @@ from experiments.shared.options import (
     Selection,
     TableOptions,
     ToRead,
+    WatchingOptions,
     a_push,
     must_stand,
     options,
@@ -22,14 +24,14 @@ from experiments.shared.options import (
 
 
 @options
-class Config(BodyOptions, MirrorOptions, TableOptions):
+class Config(BodyOptions, MirrorOptions, WatchingOptions, TableOptions):
     """Options of `imitate gesture`."""
 
     demonstration: Demonstration = "icub-wave"
-    """A built-in demonstration's name, or a file: .amc, .bvh (motion capture), .csv or .npz (joint angles), or .urdf (a
-    robot that performs --motion)."""
+    """A built-in demonstration's name, or a file: .amc, .bvh (motion capture), .csv, .tsv, .txt or .npz (joint angles;
+    those not named rest), or .urdf (a robot that performs --motion)."""
     motion: ToRead | None = None
-    """Joint angles (.csv, .npz) that a .urdf teacher performs."""
+    """Joint angles (.csv, .tsv, .txt, .npz) that a .urdf teacher performs."""
     correspondence: Literal["learned", "ik"] = "learned"
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
     selection: Selection = "map"
@@ -74,5 +76,7 @@ class Config(BodyOptions, MirrorOptions, TableOptions):
         for name, there in given.items():
             if there and not self.stand:
                 raise ExperimentError(f"--{name}: this is for a body on its own feet; add --stand")
+        if self.unit is not None and Path(self.demonstration).suffix.lower() in ("", ".amc", ".bvh"):
+            raise ExperimentError(f"--unit: this is for files of joint angles; {self.demonstration} is none")
         if self.stand:
             must_stand(self.robot)

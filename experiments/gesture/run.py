@@ -2,6 +2,7 @@
 
 import sys
 import time
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -18,6 +19,7 @@ from experiments.gesture.standing import stand, take_balance
 from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.film import filmed
+from experiments.shared.held import given, held
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
@@ -53,7 +55,9 @@ def prepare(config: Config) -> tuple[Learned, Seen]:
     noise_deg = config.seeing_noise_deg
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
-    seen = watch(config.demonstration, body, config.motion)
+    seen = watch(config.demonstration, body, config.motion, config.unit)
+    if not config.stand:
+        seen = replace(seen, remarks=(*seen.remarks, *given(body), *held(config, seen.angles)))
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
             learned = learn_mind(config, config.babbling_minutes, report)

@@ -134,7 +134,7 @@ class Study:
 def prepared(config: Config, mind: Mind, balance: Balance, hung: SimulatedBody, own: FloatArray) -> Study:
     """All that is done, (T, J) `own` demonstration included; and the PD's best gains: who stands longest, and of those
     the stillest."""
-    clips = {clip: watch(clip, hung).angles for clip in config.clips or BUILT_IN}
+    clips = {clip: watch(clip, hung, unit=config.unit).angles for clip in config.clips or BUILT_IN}
     done = {**clips, TRIED: watch(TRIED, hung).angles, **shows(hung), config.demonstration: own}
     done["at rest"] = np.repeat(resting(hung)[None], round((PUSHED_AT_S + PUSHED_FOR_S) / hung.tick_s), 0)
     done["begin"] = next(iter(clips.values()))[: round(FACED_S / hung.tick_s)]

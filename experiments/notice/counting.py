@@ -67,7 +67,7 @@ def count_on(config: Config, report: Report) -> dict[str, FloatArray]:
         for d, demonstration in enumerate(config.demonstrations):
             body, born = body_of(here, 1, stream=3), body_of(laden, 1, stream=3)
             body.carry(PAYLOAD, "right_hand")
-            seen = watch(demonstration, body)
+            seen = watch(demonstration, body, unit=config.unit)
             arm = [j for j, joint in enumerate(body.joints) if joint.startswith("right_arm")]
 
             def off(attempt: Attempt, angles: FloatArray = seen.angles, arm: list[int] = arm) -> float:

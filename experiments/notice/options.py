@@ -8,6 +8,7 @@ from experiments.shared.options import (
     Demonstration,
     Minutes,
     ToRead,
+    WatchingOptions,
     options,
     some,
     within,
@@ -15,7 +16,7 @@ from experiments.shared.options import (
 
 
 @options
-class Config(BodyOptions):
+class Config(BodyOptions, WatchingOptions):
     """Options of `imitate notice`; the robot is one with a left_hand and a right_hand."""
 
     cases: Annotated[int, within(2, 1000)] = 40

@@ -19,8 +19,8 @@ from experiments.shared.rounds import PLAYED, empty, kinds, play_on, rounds_of, 
 from experiments.shared.tables import show, table
 
 
-def command(config: Config) -> None:
-    """Play into a file, which holds at any time what was learned so far.
+def command(config: Config) -> Path:
+    """Play into a file, which holds at any time what was learned so far, and say which.
 
     Raises:
         ExperimentError: the file cannot be written, or holds something else.
@@ -57,6 +57,7 @@ def command(config: Config) -> None:
     show(table(rows))
     left = ", ".join(file.name for file in others(out) if file.exists())
     print(f"\nwritten to {out} (and {left} beside it)")
+    return out
 
 
 def told(play: Play) -> dict[str, Any]:

@@ -138,6 +138,8 @@ class Options:
     """Seed of everything random."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for the results; default runs/NAME."""
+    quiet: bool = False
+    """No progress, remarks or tables: only where the results are."""
 
     def check(self) -> None:
         """Refuse options that cannot be meant, before anything is loaded or spent.
@@ -179,6 +181,15 @@ class BodyOptions(WiredOptions):
     inertia, their torque limits kept."""
     sensor_noise_deg: Annotated[float, within(0, 30, "degrees")] = 0.0
     """Standard deviation of every angle sense, degrees."""
+
+
+@options
+class WatchingOptions(Options):
+    """Watching movements that people bring."""
+
+    unit: Literal["rad", "deg"] | None = None
+    """Unit of the joint angles in a demonstration's file, whatever it declares; without it, what it declares, or
+    radians."""
 
 
 @options

@@ -73,7 +73,7 @@ def stick_figure(
     columns = points.reshape(len(points), -1).T
     even: FloatArray = np.stack([np.interp(at, performance.time, column) for column in columns], 1)
     even = even.reshape(frames, -1, 3)
-    even = even * (height / np.quantile(np.ptp(even[..., 2], axis=1), 0.9))
+    even = even * (height / np.quantile(np.ptp(even, axis=1).max(1), 0.9))
     even[..., :2] -= even[..., :2].mean(1, keepdims=True)
     even[..., 2] -= even[..., 2].min()
     even[..., 1] += aside

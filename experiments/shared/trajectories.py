@@ -30,8 +30,7 @@ Track = tuple[tuple[str, ...], NDArray[Any], str, str]
 
 def peoples(body: SimulatedBody) -> tuple[tuple[str, ...], FloatArray]:
     """(J,) the unit in which people are shown each joint, and (J,) how many of it are one of the body's own."""
-    own = np.broadcast_to(body.senses["angle"].unit, len(body.joints))
-    names, factors = zip(*(PEOPLES.get(str(unit), (str(unit), 1.0)) for unit in own), strict=True)
+    names, factors = zip(*(PEOPLES[unit] for unit in body.units), strict=True)
     return names, np.array(factors)
 
 

@@ -14,6 +14,8 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.hoap2.facts import JOINTS
 from models.motion import FORMATS, JointTrajectory, read_motion
+from models.motion.checks import beyond, gaps
+from models.motion.tables import Unit
 from models.robots import limbs_of
 from models.teachers.performance import Performance
 from models.teachers.performing import perform
@@ -36,7 +38,7 @@ class Seen:
     learned: Retargeted | None = None
     """What the learned correspondence made of it; None where inverse kinematics or joint angles were taken."""
     remarks: tuple[str, ...] = ()
-    """What of a teacher did not correspond or was missing, a line each."""
+    """What of a movement was missing, did not correspond or was bent, a line each."""
 
     @property
     def teacher(self) -> Performance | None:
@@ -57,12 +59,13 @@ class Seen:
         return replace(paced, performance=self.performance, oracle=self.oracle, learned=found, remarks=self.remarks)
 
 
-def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -> Seen:
+def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None, unit: Unit | None = None) -> Seen:
     """See a demonstration with this body's eyes.
 
-    Joint trajectories (.csv, .npz) are taken as they are, but slower where the servos would not keep up; teachers
-    (built-in, .amc) through limb directions and the identity correspondence of the chapter (inverse kinematics on
-    HOAP-2); so is a URDF that performs `motion`, the joint angles in a file.
+    Joint trajectories (`models.motion.FORMATS`; `unit` of their angles, where given, overrules what they say) are taken
+    as they are, but slower where the servos would not keep up; teachers (built-in, .amc, .bvh) through limb directions
+    and the identity correspondence of the chapter (inverse kinematics on HOAP-2); so is a URDF that performs `motion`,
+    the joint angles in a file.
 
     Raises:
         BodyError: an unknown name, a broken file, joints this body does not have.
@@ -71,10 +74,10 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
     if motion is not None and suffix != ".urdf":
         raise BodyError(f"--motion {motion}: only a robot's .urdf performs a motion, {demonstration!r} is none")
     if suffix in FORMATS:
-        ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
-        trajectory = read_motion(Path(demonstration), ranges).reordered(body.joints).resampled(body.tick_s)
-        return Seen.paced(trajectory.name, trajectory.angles, in_time(trajectory.angles, body), body)
-    performance, remarks = watch_urdf(demonstration, motion) if suffix == ".urdf" else (perform(demonstration), ())
+        return told(watch_angles(Path(demonstration), body, unit))
+    performance, remarks = (
+        watch_urdf(demonstration, motion, unit) if suffix == ".urdf" else (perform(demonstration), ())
+    )
     try:
         limbs_of(body.name, body.joints)
     except BodyError as error:
@@ -84,7 +87,40 @@ def watch(demonstration: str, body: SimulatedBody, motion: Path | None = None) -
     time = np.arange(len(oracle.angles), dtype=float) * body.tick_s
     trajectory = JointTrajectory(performance.name, time, JOINTS, oracle.angles).reordered(body.joints)
     paced = Seen.paced(performance.name, trajectory.angles, oracle.found.slowed, body)
-    return replace(paced, performance=performance, oracle=oracle, remarks=remarks)
+    return told(replace(paced, performance=performance, oracle=oracle, remarks=remarks + performance.remarks))
+
+
+def told(seen: Seen) -> Seen:
+    """The same; its remarks are said."""
+    for line in seen.remarks:
+        print(f"imitate: {line}", file=sys.stderr)
+    return seen
+
+
+def watch_angles(path: Path, body: SimulatedBody, unit: Unit | None) -> Seen:
+    """Joint angles in a file; joints that it does not name stay where they are (at home, as long as it did not move).
+
+    Raises:
+        BodyError: see `watch`.
+    """
+    ranges = dict(zip(body.joints, map(tuple, body.joint_range), strict=True))
+    slides = [joint for joint, one in zip(body.joints, body.units, strict=True) if one == "m"]
+    given = read_motion(path, ranges, unit, slides)
+    movement = given.reordered(body.joints, body.joint_angles[0]).resampled(body.tick_s)
+    factor = in_time(movement.angles, body)
+    resting = [joint for joint in body.joints if joint not in given.joints]
+    remarks = [*gaps(given), *beyond(movement, body.joint_range, slides)]
+    if resting:
+        most = ", ".join(resting[:3]) + (" ..." if len(resting) > 3 else "")
+        remarks.insert(0, f"{path}: names {len(given.joints)} of {len(body.joints)} joints; at rest stay {most}")
+    if factor > 1:
+        pace = np.abs(np.diff(movement.angles, axis=0)) / fastest(body)
+        tick, joint = np.unravel_index(int(pace.argmax()), pace.shape)
+        remarks.append(
+            f"{path}: joint {body.joints[joint]!r} moves {pace.max():.1f} times as fast as its servo can at "
+            f"{tick * body.tick_s:.2f} s; the whole is done {factor:.2f} times as slowly"
+        )
+    return replace(Seen.paced(movement.name, movement.angles, factor, body), remarks=tuple(remarks))
 
 
 def fastest(body: SimulatedBody) -> FloatArray:
@@ -101,19 +137,19 @@ def in_time(angles: FloatArray, body: SimulatedBody) -> float:
     return factor
 
 
-def watch_urdf(demonstration: str, motion: Path | None) -> tuple[Performance, tuple[str, ...]]:
+def watch_urdf(
+    demonstration: str, motion: Path | None, unit: Unit | None = None
+) -> tuple[Performance, tuple[str, ...]]:
     """A robot out of a URDF, and what was not found in it.
 
     Raises:
         BodyError: no motion; a URDF without any limb; a motion of joints it does not have.
     """
+    teacher = read_urdf(demonstration)
     if motion is None:
-        read_urdf(demonstration)
         raise BodyError(
             f"{demonstration}: a URDF does not move by itself; give its joint angles with --motion FILE.csv"
         )
-    performance, found = perform_urdf(demonstration, read_motion(motion))
-    said = remarks(found, demonstration)
-    for line in said:
-        print(f"imitate: {line}", file=sys.stderr)
-    return performance, said
+    movement = read_motion(motion, None, unit, teacher.slides, teacher.limits)
+    performance, found = perform_urdf(demonstration, movement)
+    return performance, (*remarks(found, demonstration), *gaps(movement))

@@ -6,37 +6,33 @@ a sign of their own. Head joints have no field and stay at 0; what the hand fiel
 known, so the hands stay at 0 as well; the flags are not used.
 """
 
-from pathlib import Path
-
 import numpy as np
 
 from models.errors import BodyError
-from models.files import finite, table
 from models.hoap2.facts import ENCODER_PULSES_PER_DEGREE, JOINTS, PULSE_SIGNS
 from models.motion.trajectory import JointTrajectory
+from models.tables import Table
 
 FIELDS = 27
 FIRST_JOINT_FIELD = 2
 
 
-def looks_like_motion_file(content: str) -> bool:
-    """Whether the first line that is not blank has 27 fields or so, a number first: a table begins with names."""
-    first = next((line for line in content.splitlines() if line.strip()), "").split(",")
-    return abs(len(first) - FIELDS) <= 2 and first[0].lstrip(" +-")[:1].isdecimal()
+def looks_like_motion_file(rows: Table) -> bool:
+    """Whether there are 27 fields or so, the first a number: other tables begin with names."""
+    return (
+        len(rows.cells) > 0 and abs(rows.cells.shape[1] - FIELDS) <= 2 and rows.cells[0, 0].strip("+-")[:1].isdecimal()
+    )
 
 
-def parse_motion_file(content: str, path: Path) -> JointTrajectory:
-    """Read a motion file from its text; `path` names it in errors. All 25 joints, radians, first line at 0 s."""
-    rows = []
-    for where, cells in table(content, path):
-        if len(cells) != FIELDS:
-            raise BodyError(f"{where} has {len(cells)} fields where a HOAP-2 motion file has {FIELDS}")
-        rows.append([finite(cell, f"{where}, field {field}") for field, cell in enumerate(cells, start=1)])
-        if rows[-1][0] <= 0:
-            raise BodyError(f"{where}: sampling interval {cells[0]} ms; it must be above 0")
-    fields = np.array(rows)
+def parse_motion_file(rows: Table) -> JointTrajectory:
+    """The movement in a motion file. All 25 joints, radians, first line at 0 s."""
+    if rows.cells.shape[1] != FIELDS:
+        raise BodyError(f"{rows.where(0)} has {rows.cells.shape[1]} fields where a HOAP-2 motion file has {FIELDS}")
+    fields = rows.numbers(slice(None), range(FIELDS), [f"field {field + 1}" for field in range(FIELDS)])
+    for row in np.flatnonzero(fields[:, 0] <= 0).tolist():
+        raise BodyError(f"{rows.where(row)}: sampling interval {fields[row, 0]:g} ms; it must be above 0")
     time = np.concatenate([[0.0], np.cumsum(fields[:-1, 0])]) / 1000
     angles = np.zeros((len(fields), len(JOINTS)))
     for field, (joint, sign) in enumerate(PULSE_SIGNS.items(), start=FIRST_JOINT_FIELD):
         angles[:, JOINTS.index(joint)] = np.deg2rad(sign * fields[:, field] / ENCODER_PULSES_PER_DEGREE)
-    return JointTrajectory(str(path), time, JOINTS, angles)
+    return JointTrajectory(str(rows.path), time, JOINTS, angles)

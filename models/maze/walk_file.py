@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from models.errors import BodyError
-from models.files import table, text
+from models.files import text
 from models.maze.maze import ACTIONS, Maze
 from models.maze.teacher import Walk, check_walk
+from models.tables import table
 
 HEADER = ("walk", "goal", "step", "x", "y", "action")
 LONGEST_FILE = 1 << 24
@@ -40,11 +41,11 @@ def read_walks(path: Path, maze: Maze) -> list[Walk]:
         BodyError: no such file, not such a table (line named), or a walk that nobody can walk (step named).
     """
     rows = table(text(path, LONGEST_FILE), path)
-    if not rows or tuple(rows[0][1]) != HEADER:
+    if not len(rows.cells) or tuple(rows.cells[0]) != HEADER:
         raise BodyError(f"{path}: the first line must be {','.join(HEADER)}")
     found: dict[str, list[tuple[str, list[str]]]] = {}
-    for where, (name, *cells) in rows[1:]:
-        found.setdefault(name, []).append((where, cells))
+    for row, (name, *cells) in enumerate(rows.cells[1:].tolist(), start=1):
+        found.setdefault(name, []).append((rows.where(row), cells))
     if not found:
         raise BodyError(f"{path}: no walks in it")
     walks = {name: _walk(steps) for name, steps in found.items()}

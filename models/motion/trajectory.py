@@ -1,6 +1,7 @@
 """A movement in joint angles: what every reader of motion files gives and every body can be asked to do."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,7 @@ class JointTrajectory:
     name: what people call the movement.
     time: (T,) seconds, strictly increasing from 0, T >= 3; need not be evenly spaced.
     joints: J distinct joint names.
-    angles: (T, J) radians, finite.
+    angles: (T, J) radians (metres of what slides), finite.
     The arrays are copied and read-only. A value that breaks this raises BodyError.
     """
 
@@ -36,8 +37,8 @@ class JointTrajectory:
         time = np.array(self.time, dtype=float)
         angles = np.array(self.angles, dtype=float)
         joints = tuple(self.joints)
-        for joint in joints:
-            if joints.count(joint) > 1:
+        for joint, times in Counter(joints).most_common(1):
+            if times > 1:
                 raise BodyError(f"{self.name}: joint {joint!r} appears twice; name each joint once")
         if time.ndim != 1 or angles.shape != (len(time), len(joints)):
             raise BodyError(
@@ -79,19 +80,21 @@ class JointTrajectory:
         time = frame_times(self.duration, dt, self.name)
         return JointTrajectory(self.name, time, self.joints, CubicSpline(self.time, self.angles, axis=0)(time))
 
-    def reordered(self, joints: Sequence[str]) -> "JointTrajectory":
-        """The same movement with its joints in this order; every one must be there, and no other."""
+    def reordered(self, joints: Sequence[str], rest: FloatArray | None = None) -> "JointTrajectory":
+        """The same movement with its joints in this order, and no other; those that it lacks stay at `rest` (J,) rad,
+        or are an error where there is none."""
         for joint in self.joints:
             if joint not in joints:
                 raise BodyError(f"{self.name}: {unknown('joint', joint, joints)}")
         for joint in joints:
-            if joint not in self.joints:
+            if joint not in self.joints and rest is None:
                 raise BodyError(f"{self.name}: joint {joint!r} is missing; add a column for it")
-        columns = [self.joints.index(joint) for joint in joints]
-        return JointTrajectory(self.name, self.time, tuple(joints), self.angles[:, columns])
+        angles = np.tile(np.zeros(len(joints)) if rest is None else rest, (len(self.time), 1))
+        angles[:, [list(joints).index(joint) for joint in self.joints]] = self.angles
+        return JointTrajectory(self.name, self.time, tuple(joints), angles)
 
-    def check_ranges(self, ranges: Mapping[str, tuple[float, float]]) -> None:
-        """Raise BodyError unless every joint is in `ranges` (radians) and stays inside its own."""
+    def check_ranges(self, ranges: Mapping[str, tuple[float, float]], slides: Collection[str] = ()) -> None:
+        """Raise BodyError unless every joint is in `ranges` (radians; metres for `slides`) and stays inside its own."""
         for joint in self.joints:
             if joint not in ranges:
                 raise BodyError(f"{self.name}: {unknown('joint', joint, ranges)}")
@@ -100,17 +103,23 @@ class JointTrajectory:
         if beyond.max() <= RANGE_TOLERANCE:
             return
         frame, column = np.unravel_index(int(beyond.argmax()), beyond.shape)
-        as_degrees = np.deg2rad(self.angles)
+        joint, length = self.joints[column], self.joints[column] in slides
+        as_degrees = self.angles * np.where([one in slides for one in self.joints], 1, np.pi / 180)
         guess = (
-            "; the numbers would fit as degrees: declare that unit"
+            "; the numbers would fit as degrees: declare that unit (# unit: deg, or --unit deg)"
             if ((as_degrees >= low - RANGE_TOLERANCE) & (as_degrees <= high + RANGE_TOLERANCE)).all()
             else "; keep the movement inside the joint's range"
         )
         raise BodyError(
-            f"{self.name}: joint {self.joints[column]!r} is at {np.rad2deg(self.angles[frame, column]):.1f} deg in "
-            f"frame {frame + 1}, {np.rad2deg(beyond[frame, column]):.1f} deg beyond its range "
-            f"{np.rad2deg(low[column]):.0f} .. {np.rad2deg(high[column]):.0f} deg{guess}"
+            f"{self.name}: joint {joint!r} is at {amount(self.angles[frame, column], length)} in frame {frame + 1}, "
+            f"{amount(beyond[frame, column], length)} beyond its range "
+            f"{amount(low[column], length, 0).split()[0]} .. {amount(high[column], length, 0)}{guess}"
         )
+
+
+def amount(value: float, length: bool, digits: int = 1) -> str:
+    """An angle in degrees, or a length in millimetres, for people."""
+    return f"{1000 * value:.{digits}f} mm" if length else f"{np.rad2deg(value):.{digits}f} deg"
 
 
 def frame_times(duration: float, dt: float, name: str) -> FloatArray:

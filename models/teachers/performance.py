@@ -36,6 +36,7 @@ class Performance:
     directions: part of PARTS -> (T, 3) unit vectors in the torso's frame, x forward, y left, z up.
     points: (T, K, 3) metres in the world, z up: where the teacher's joints are, to draw it.
     bones: pairs of point indices that are connected.
+    remarks: what of it was not as usual, a line each.
     The arrays are copied and read-only.
     """
 
@@ -45,6 +46,7 @@ class Performance:
     directions: Mapping[str, FloatArray]
     points: FloatArray
     bones: tuple[tuple[int, int], ...]
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         directions = {part: _frozen(values) for part, values in self.directions.items()}

@@ -1,11 +1,11 @@
 """A robot as a teacher: where its landmarks are, which joints carry its parts, and how it moves.
 
 Limbs are found by joint names and by where the joints sit, the same way for every robot: hip, knee, ankle, shoulder,
-elbow, wrist, with left and right in one of the usual spellings. A limb needs the joints at both of its ends
-(`models.teachers.anatomy.ENDS`). Meshes are not read: kinematics is enough.
+elbow, wrist, with left and right in one of the usual spellings; two arms whose joints have other names, by their build
+(`models.teachers.arms`). A limb needs the joints at both of its ends (`models.teachers.anatomy.ENDS`). Meshes are not
+read: kinematics is enough.
 """
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,6 +16,8 @@ from models.arrays import FloatArray
 from models.errors import unknown
 from models.motion.trajectory import JointTrajectory
 from models.teachers.anatomy import CARRIED, ENDS, BodyPoses, upright
+from models.teachers.arms import built_arms
+from models.teachers.names import plain, side_of
 from models.teachers.performance import SIDES, TeacherError
 
 WORDS: Mapping[str, tuple[str, ...]] = {
@@ -36,8 +38,6 @@ NUMBERED = {"arm": ("shoulder", "elbow", "wrist"), "leg": ("hip", "knee", "ankle
 """Limbs whose joints are only counted (arm_left_1, ...): three joints make a ball, the third carries on, then these."""
 CARRIED_BY = {"head": ("head", "neck", "cervical"), "left_foot": ("ankle", "foot"), "right_foot": ("ankle", "foot")}
 """Body -> what the last joint before it is called."""
-FOUR_LEGS = {"rl": "left", "lh": "left", "rr": "right", "rh": "right", "fl": None, "fr": None, "lf": None, "rf": None}
-"""Beginnings of a four-legged robot's joints: its hind legs correspond to legs, its fore legs to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +81,12 @@ class Teacher:
         low, high = self.model.lowerPositionLimit, self.model.upperPositionLimit
         places = zip(list(self.model.names)[1:], list(self.model.idx_qs)[1:], strict=True)
         return {joint: (float(low[place]), float(high[place])) for joint, place in places}
+
+    @property
+    def slides(self) -> tuple[str, ...]:
+        """Joints whose numbers are metres."""
+        kinds = zip(list(self.model.names)[1:], list(self.model.joints)[1:], strict=True)
+        return tuple(joint for joint, kind in kinds if kind.shortname().startswith("JointModelP"))
 
     def postures(self, trajectory: JointTrajectory) -> FloatArray:
         """(T, nq) configurations when it moves like this; joints that are not named stay at zero.
@@ -137,6 +143,8 @@ def _landmarks(model: pin.Model) -> dict[str, int]:
     """See the module; of a ball's joints the last that still sits near the first, measured by the limb beyond."""
     found: dict[str, int] = {}
     names, supports = list(model.names), model.supports
+    of_legs = [word for landmark in NUMBERED["leg"] for word in WORDS[landmark]]
+    built = built_arms(model, [joint for joint, name in enumerate(names) if any(w in plain(name) for w in of_legs)])
     data = model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model))
 
@@ -144,16 +152,18 @@ def _landmarks(model: pin.Model) -> dict[str, int]:
         return float(np.linalg.norm(data.oMi[one].translation - data.oMi[other].translation))
 
     for side in SIDES:
-        ours = [number for number in range(1, model.njoints) if _side(names[number]) == side]
+        ours = [number for number in range(1, model.njoints) if side_of(names[number]) == side]
         ours.sort(key=lambda number: len(supports[number]))
         balls: dict[str, list[int]] = {}
         for landmark, words in WORDS.items():
-            near = next((n for word in words if (n := [j for j in ours if word in _plain(names[j])])), [])
+            near = next((n for word in words if (n := [j for j in ours if word in plain(names[j])])), [])
             if near:
                 balls[landmark] = near
                 found[f"{side}_{landmark}"] = near[-1 if landmark in OUTERMOST else 0]
+        if f"{side}_elbow" not in found:
+            found |= {mark: joint for mark, joint in built.items() if mark.startswith(side)}
         for word, counted in NUMBERED.items():
-            chain = [number for number in ours if word in _plain(names[number]).split("_")]
+            chain = [number for number in ours if word in plain(names[number]).split("_")]
             if len(chain) >= 5 and not any(f"{side}_{landmark}" in found for landmark in counted):
                 found |= {f"{side}_{landmark}": joint for landmark, joint in zip(counted, chain[2:5], strict=True)}
         for start, end in ENDS.values():
@@ -167,24 +177,6 @@ def _landmarks(model: pin.Model) -> dict[str, int]:
             if first not in list(supports[second]):  # on another branch: not of this limb
                 del found[f"{side}_{end}"]
     return found
-
-
-def _side(name: str) -> str | None:
-    """Side of a joint: the word left or right, an L or R in front (LARM, lHip, l_hip), or such a letter on its own."""
-    for side in SIDES:
-        if side in name.lower():
-            return side
-    words = _plain(name).split("_")
-    if words[0] in FOUR_LEGS:
-        return FOUR_LEGS[words[0]]
-    for side in SIDES:
-        if words[0] == side[0] or re.match(f"[{side[0].upper()}][A-Z]|[{side[0]}][A-Z]", name):
-            return side
-    return next((side for side in SIDES if side[0] in words), None)
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"([a-z])([A-Z])", r"\1_\2", name).lower()
 
 
 def _carriers(model: pin.Model, landmarks: Mapping[str, int]) -> dict[str, int]:
@@ -204,8 +196,8 @@ def _carriers(model: pin.Model, landmarks: Mapping[str, int]) -> dict[str, int]:
         near = [
             number
             for number in range(1, model.njoints)
-            if any(word in _plain(model.names[number]) for word in words)
-            and (side is None or (_side(model.names[number]) == side and f"{side}_ankle" in landmarks))
+            if any(word in plain(model.names[number]) for word in words)
+            and (side is None or (side_of(model.names[number]) == side and f"{side}_ankle" in landmarks))
         ]
         if side is not None and not near and f"{side}_ankle" in landmarks:
             ankle = landmarks[f"{side}_ankle"]

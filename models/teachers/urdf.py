@@ -13,7 +13,7 @@ from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
 from models.teachers.teacher import WORDS, Teacher
 
 LIMIT_BYTES = 8 * 2**20
-MOST_JOINTS = 400
+MOST_JOINTS = 200
 
 
 def read_urdf(path: str | os.PathLike[str]) -> Teacher:

@@ -171,13 +171,13 @@ def csv_cases(wave: Path) -> dict[str, tuple[str, list[str]]]:
     """Name -> (content, what must be said)."""
     lines = wave.read_text().splitlines()
     cells = [line.split(",") for line in lines]
-    without = "\n".join(",".join(row[:3]) for row in cells)
+    without = "\n".join(row[0] for row in cells)
     swapped = "\n".join([*lines[:10], lines[12], lines[11], *lines[13:]])
     degrees = "\n".join(
         [lines[0], *(",".join([r[0], *(repr(float(np.rad2deg(float(c)))) for c in r[1:])]) for r in cells[1:])]
     )
     return {
-        "a missing column": (without, ["wrist"]),
+        "no joint": (without, ["names no joint"]),
         "no time": (spoiled(wave, "time,", "clock,"), ["line 1: column 'time' is missing"]),
         "a text cell": (spoiled(wave, cells[5][2], "much"), ["line 6, column 'elbow': 'much' is not a finite number"]),
         "not a number": (spoiled(wave, cells[5][2], "nan"), ["line 6, column 'elbow': 'nan' is not a finite number"]),
@@ -185,13 +185,13 @@ def csv_cases(wave: Path) -> dict[str, tuple[str, list[str]]]:
         "two frames": ("\n".join(lines[:3]), ["2 frames", "at least 3"]),
         "degrees": (degrees, ["joint 'elbow' is at ", "deg beyond its range", "declare that unit"]),
         "another joint": (spoiled(wave, "wrist", "wirst"), ["wirst"]),
-        "a cell too few": (spoiled(wave, "," + cells[7][3], ""), ["line 8 has 3 cells where the first has 4"]),
+        "a cell too few": (spoiled(wave, "," + cells[7][3], ""), ["line 8 has 3 cells where most have 4"]),
         "empty": ("", ["is empty"]),
     }
 
 
 CSV_CASES = (
-    "a missing column", "no time", "a text cell", "not a number", "backwards", "two frames", "degrees",
+    "no joint", "no time", "a text cell", "not a number", "backwards", "two frames", "degrees",
     "another joint", "a cell too few", "empty",
 )  # fmt: skip
 

@@ -127,7 +127,10 @@ def test_directions_are_the_products_of_rotations_down_the_chain(tmp_path_factor
         (lambda t: t.replace("Frame Time: 0.02", "Frame Time: 0"), "4 frames of 0 s"),
         (lambda t: t.replace("Frame Time", "Frame Tome"), "MOTION begins with"),
         (lambda t: t.rstrip()[:-12] + "\n", "where the HIERARCHY has 51 channels"),
-        (lambda t: t.replace("LeftUpLeg", "LeftBanana"), "no joint is called as left_hip"),
+        (
+            lambda t: t.replace("LeftUpLeg", "x").replace("0 -4 0", "0 -9 0", 2),
+            "no two legs and two arms, alike in pairs",
+        ),
         (lambda t: t.replace("JOINT Spine", "ROOT Spine"), "one ROOT first"),
         (lambda t: t[:40], "is this a .bvh file"),
     ],

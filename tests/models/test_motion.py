@@ -24,15 +24,16 @@ def swing(frames: int = 7) -> JointTrajectory:
 
 
 def write_table(movement: JointTrajectory, path: Path) -> None:
-    rows = np.column_stack([movement.time, movement.angles])
-    np.savetxt(path, rows, fmt="%.17g", delimiter=",", header=",".join(["time", *movement.joints]), comments="")
+    rows, sep = np.column_stack([movement.time, movement.angles]), SEPARATORS[path.suffix]
+    np.savetxt(path, rows, fmt="%.17g", delimiter=sep, header=sep.join(["time", *movement.joints]), comments="")
 
 
 def write_archive(movement: JointTrajectory, path: Path) -> None:
     np.savez(path, time=movement.time, angles=movement.angles, joints=movement.joints)
 
 
-WRITERS = {".csv": write_table, ".npz": write_archive}
+SEPARATORS = {".csv": ",", ".tsv": "\t", ".txt": "  "}
+WRITERS = {**dict.fromkeys(SEPARATORS, write_table), ".npz": write_archive}
 
 
 def table(tmp_path: Path, text: str, name: str = "a.csv") -> Path:
@@ -91,6 +92,8 @@ def test_reordering() -> None:
     np.testing.assert_array_equal(other.angles, swing().angles[:, ::-1])
     with pytest.raises(BodyError, match="joint 'ankle' is missing; add a column"):
         swing().reordered(["knee", "hip", "ankle"])
+    resting = swing().reordered(["knee", "ankle", "hip"], np.array([0.1, 0.2, 0.3]))
+    np.testing.assert_array_equal(resting.angles, np.insert(other.angles, 1, 0.2, axis=1))
     with pytest.raises(BodyError, match="unknown joint 'hip'; there are hips, knee; did you mean 'hips'"):
         swing().reordered(["knee", "hips"])
 
@@ -131,7 +134,7 @@ def test_round_trip_is_exact(suffix: str, tmp_path: Path) -> None:
 
 
 def test_degrees(tmp_path: Path) -> None:
-    rows = "time,hip\n0,0\n0.1,45\n0.2,90\n"
+    rows = "time,hip\n0,0\n1,45\n2,90\n"
     declared = read_motion(table(tmp_path, "\ufeff# unit: deg\r\n" + rows))
     np.testing.assert_allclose(declared.angles[:, 0], [0, np.pi / 4, np.pi / 2])
     np.testing.assert_allclose(read_motion(table(tmp_path, rows), unit="deg").angles, declared.angles)
@@ -155,18 +158,21 @@ def test_time_may_be_any_column(tmp_path: Path) -> None:
         ("0,1\n1,2\n2,3\n", "line 1: column 'time' is missing"),
         ("time,hip,\n0,0,0\n", "line 1: a column has no name"),
         ("time,hip,hip\n0,0,0\n1,0,0\n2,0,0\n", "joint 'hip' appears twice"),
-        ("time,hip,knee\n0,0,0\n1,0\n2,0,0\n", "line 3 has 2 cells where the first has 3"),
+        ("time,hip,knee\n0,0,0\n1,0\n2,0,0\n", "line 3 has 2 cells where most have 3"),
         ("time,hip\n0,0\n1,left\n2,0\n", "line 3, column 'hip': 'left' is not a finite number"),
         ("time,hip\n0,0\n1,nan\n2,0\n", "line 3, column 'hip': 'nan' is not a finite number"),
         ("time,hip\n0,0\n1,\n2,0\n", "line 3, column 'hip': '' is not a finite number"),
         ("time,hip\n0,0\n2,0\n1,0\n", r"time does not increase from frame 2 \(2 s\) to frame 3"),
         ("time,hip\n0,0\n1,0\n", "has 2 frames; a movement needs at least 3"),
         ("time\n0\n1\n2\n", "names no joint"),
-        ("# unit: turns\ntime,hip\n0,0\n", "unit 'turns'; angles are in 'rad' or 'deg'"),
+        ("# unit: turns\ntime,hip\n0,0\n", "joint 'hip' in unit 'turns'; angles are in 'rad' or 'deg'"),
         ("time,hip\n0,0\n1,45\n2,0\n", r"'hip' is at 2578.3 deg in frame 2, 2492.4 deg beyond .* declare that unit"),
         ("time,hip\n0,0\n1,-1.5\n2,0\n", r"'hip' is at -85.9 deg in frame 2, 28.6 deg beyond its range -57 .. 86 deg"),
         ("time,hop\n0,0\n1,0\n2,0\n", "unknown joint 'hop'; there are hip, knee; did you mean 'hip'"),
-        (b"time,hip\n0,\xff\n", "is not text"),
+        (b"time,hip\n0,\xff\n", "line 2, column 'hip': 'ÿ' is not a finite number"),
+        (b"time,hip\n0,\x81\n", "is not text"),
+        (b"t\0i\0m\0e\0", "is not text"),
+        (b"\xff\xfet\0i", "is not text"),
     ],
 )
 def test_broken_tables(text: str, message: str, tmp_path: Path) -> None:
@@ -255,7 +261,9 @@ def test_huge_files_are_refused_by_size(suffix: str, tmp_path: Path) -> None:
 
 
 def test_unknown_suffix(tmp_path: Path) -> None:
-    with pytest.raises(BodyError, match=r"unknown motion file suffix '.cvs'; there are .csv, .npz; did you mean"):
+    with pytest.raises(
+        BodyError, match=r"unknown motion file suffix '.cvs'; there are .csv, .npz, .tsv, .txt; did you mean"
+    ):
         read_motion(table(tmp_path, "x", "a.cvs"))
 
 
@@ -281,7 +289,7 @@ def test_hoap2_sampling_field_is_milliseconds(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        (WALK_READY.rsplit(",", 1)[0], "line 3 has 26 cells where the first has 27"),
+        (WALK_READY.rsplit(",", 1)[0], "line 3 has 26 cells where most have 27"),
         (WALK_READY.replace("8360", "x", 1), "line 3, field 6: 'x' is not a finite number"),
         (WALK_READY.replace("8360", "nan", 1), "line 3, field 6: 'nan' is not a finite number"),
         (WALK_READY.replace("1,", "0,", 1), "line 3: sampling interval 0 ms; it must be above 0"),
