@@ -24,8 +24,8 @@ def given(body: SimulatedBody) -> tuple[str, ...]:
     kp = [gains.kp for gains in body.given.values()]
     line = (
         f"{len(kp)} of {len(body.joints)} motors were given position servos: -3 dB at {BANDWIDTH_HZ:g} Hz, damping "
-        f"ratio {DAMPING_RATIO:g} by the inertia at rest, kp {min(kp):.3g} to {max(kp):.3g} N m/rad (N/m of slides), torque "
-        "limits kept"
+        f"ratio {DAMPING_RATIO:g} by the inertia at rest, kp {min(kp):.3g} to {max(kp):.3g} N m/rad (N/m of slides), "
+        "torque limits kept"
     )
     print(f"imitate: {line}", file=sys.stderr)
     return (line,)
