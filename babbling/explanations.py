@@ -62,7 +62,7 @@ class Explanations:
 
     def __post_init__(self) -> None:
         frame, factors = self.frame, len(self.table.factors)
-        self.features, self.sums = frame.features, frame.nothing()
+        self.features, self.sums, self.simple = frame.features, frame.nothing(), np.zeros(factors, bool)
         if not same_axes(self.table.axes, (frame.rate, frame.effort, frame.departure)) or (
             self.moments.shape != self.sums.sums.shape or self.evidence.shape != (factors, len(EXPLANATIONS))
         ):
@@ -124,12 +124,15 @@ class Explanations:
         self.foretold += len(outcome)
 
     def by_line(self, where: BoolArray) -> "Explanations":
-        """The same, but that some factors (F,) are explained by the line of rate and action alone."""
+        """The same, but that some factors (F,) are explained by the line of rate and action alone, and do by habit what
+        they did at that rate: Eq. (1) with the whole of that prior is then the inverse of the line."""
         if not where.any():
             return self
         evidence = self.evidence.copy()
         evidence[where, 1:] = -UNBELIEVED
-        return replace(self, evidence=evidence)
+        found = replace(self, evidence=evidence)
+        found.simple = where
+        return found
 
     def merge(self, other: "Explanations") -> None:
         """Add what another one of the same pilot learned.
@@ -157,7 +160,7 @@ class Explanations:
         self._forget()
 
     def _forget(self) -> None:
-        for known in ("lines", "errors", "weights", "habit", "strayed", "_averaged", "spread"):
+        for known in ("lines", "errors", "weights", "habit", "_averaged", "spread"):
             vars(self).pop(known, None)
 
     # --------------------------------------------------------------- predicting
@@ -200,18 +203,15 @@ class Explanations:
 
     @cached_property
     def habit(self) -> tuple[FloatArray, FloatArray]:
-        """(F, BEFORE) weights of the line through the actions c - q that babbling took at each rate, and (F,) how far
-        off it is. Where one babbled about the middle of one's range is a habit too, but none that others share."""
-        fit = self.sums.fit(["action"], ["rate"], RIDGE)
-        line = np.zeros((len(self.factors), _BEFORE))
-        line[:, [0, COLUMNS.index("rate")]] = fit.coefficients[:, 0]
-        return line, np.sqrt(fit.covariance[:, 0, 0])
-
-    @cached_property
-    def strayed(self) -> FloatArray:
-        """(F,) how far babbling's actions were off all that posture and pace foretell of them."""
-        told = [name for name in BEFORE[1:] if name != "before"]
-        return np.asarray(np.sqrt(self.sums.fit(["action"], told, RIDGE).covariance[:, 0, 0]))
+        """(F, BEFORE) weights of the line through the actions c - q that babbling took, and (F,) how far off it is; by
+        pace alone where the line alone explains: that one stays about the middle of one's range is no habit to share.
+        """
+        line, spread = np.zeros((2, len(self.factors), _BEFORE)), []
+        for habit, inputs in zip(line, ([name for name in BEFORE[1:] if name != "before"], ["rate"]), strict=True):
+            fit = self.sums.fit(["action"], inputs, RIDGE)
+            habit[:, [0, *(COLUMNS.index(name) for name in inputs)]] = fit.coefficients[:, 0]
+            spread.append(np.sqrt(fit.covariance[:, 0, 0]))
+        return np.where(self.simple[:, None], line[1], line[0]), np.where(self.simple, spread[1], spread[0])
 
     @property
     def slope(self) -> FloatArray:

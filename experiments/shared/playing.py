@@ -163,7 +163,7 @@ class Player:
         half_way = round(sum(WAYS_S[:LOOK_AGAIN]) / tick)
         still = Movement(SEATED, tick, self.hung.sensations(np.tile(self.image.rest, (3, 1))))
         inverse = AveragedInverse.of(self.mind, candidates=CANDIDATES)
-        imitator = Imitator(self.mind, still, inverse=inverse, farthest=FARTHEST * self.mind.forward_model.strayed)
+        imitator = Imitator(self.mind, still, inverse=inverse, farthest=FARTHEST * self.mind.forward_model.habit[1])
         state = imitator.start(joints.felt(felt))._replace(targets=_onward(path))
         touch, angles, configurations = [body.senses.read(felt, "touch")], [body.joint_angles], [body.configuration]
         for number in range(len(path) - 1):

@@ -252,7 +252,7 @@ def perform(
     joints, carries = Joints(hung, body), known.carries > 0
     resting = round(REST_S / tick)
     senses = np.concatenate([movement.senses, np.repeat(movement.senses[-1:], resting, 0)])
-    imitator = Imitator(mind, replace(movement, senses=senses), farthest=FARTHEST * mind.forward_model.strayed)
+    imitator = Imitator(mind, replace(movement, senses=senses), farthest=FARTHEST * mind.forward_model.habit[1])
     felt = body.reset()
     state = imitator.start(joints.felt(felt))
     plan = balancer.plan(state.targets[:, :1])
