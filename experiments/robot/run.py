@@ -23,7 +23,7 @@ from models.servos import driven, reach, servo
 from models.units import SHOWN
 
 SECONDS, SWINGS, WIDEST, SPEED_SHARE = 8.0, 3, 0.6, 0.5
-"""Of the template: how long; joints swing once, twice, three times, once ...; rad at most; of the speed sense's range."""
+"""Of the template: s; joints swing once, twice, three times, once ...; most rad; share of the speed sense's range."""
 HELD_TICKS, FEW = 50, 6
 _EQ = mujoco.mjtEq
 CHAINS = (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD))
@@ -145,8 +145,8 @@ def held(body: SimulatedBody) -> FloatArray:
 
 
 def template(body: SimulatedBody) -> FloatArray:
-    """(T, J) rad or m: from rest to rest, every joint out to its roomier side and back, one to three times, within half
-    its room, what its servo can be asked for, and half its speed. Where chains are closed, what they let become of it."""
+    """(T, J) rad or m: from rest to rest, joints go out to their roomier sides and back, one to three times, by half of
+    what servos can be asked for and at half their speed at most. Where chains are closed, what becomes of that."""
     body.reset()
     low, high = body.joint_range.T
     asked = body.commands(np.array([np.full(len(body.joints), -1.0), np.full(len(body.joints), 1.0)]))
