@@ -24,7 +24,7 @@ from models.units import SHOWN
 
 SECONDS, SWINGS, WIDEST, SPEED_SHARE = 8.0, 3, 0.6, 0.5
 """Of the template: s; joints swing once, twice, three times, once ...; most rad; share of the speed sense's range."""
-HELD_TICKS, FEW = 50, 6
+FEW = 6
 _EQ = mujoco.mjtEq
 CHAINS = (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD))
 
@@ -46,12 +46,15 @@ def command(config: Config) -> None:
     show(table(model_rows(robot, raw, model), ("model", "")))
     body = load_body(config.robot, give_servos=config.servos, threads=1)
     show(table(sense_rows(body), ("sense", "lines", "range")))
-    sag = held(body)
-    worst = int(np.argmax(sag))
-    print(f"told to rest for a second, it is off by up to {_number(sag[worst])} {body.shown_units[worst]}"
-          f" ({body.joints[worst]})")  # fmt: skip
+    wanted = template(body)
+    away = np.abs(direct_replay(body, wanted) - wanted).max(0) * body.shown_scale
+    worst = int(np.argmax(away))
+    print(
+        f"sent a gentle movement of all joints, it is off by {_number(away[worst])} {body.shown_units[worst]} at most "
+        f"({body.joints[worst]})"
+    )
     if config.template is not None:
-        write(config.template, body, template(body))
+        write(config.template, body, wanted)
         also = " --servos" if config.servos else ""
         print(f"\nwritten to {config.template}: imitate gesture --robot {config.robot}{also} "
               f"--demonstration {config.template}")  # fmt: skip
@@ -129,19 +132,6 @@ def sense_rows(body: SimulatedBody) -> Iterator[tuple[str, str, str]]:
             here = np.array([one == unit for one in units])
             ends = (scale * low)[here].min(), (scale * high)[here].max()
             yield channel.name, str(here.sum()), _range(np.array(ends), unit)
-
-
-def held(body: SimulatedBody) -> FloatArray:
-    """(J,) how far each joint is from where it rests after a second of being told to, in what people read.
-
-    Raises:
-        BodyError: the physics is unstable.
-    """
-    body.reset()
-    rest = np.array(body.joint_angles)
-    for _ in range(HELD_TICKS):
-        body.act(body.command_angles(rest))
-    return np.asarray(np.abs(body.joint_angles - rest)[0] * body.shown_scale)
 
 
 def template(body: SimulatedBody) -> FloatArray:

@@ -10,6 +10,7 @@ import pytest
 from experiments.benchmark import strangers
 from experiments.benchmark.strangers import STRANGERS, Config, Life, keep, live, placed, told, unpack, unpacked_as
 from experiments.errors import ExperimentError
+from experiments.robot import run as robot
 
 
 def wheel(path: Path, *names: str, mode: int = 0) -> Path:
@@ -59,7 +60,10 @@ def test_links_crowds_and_no_zips_are_refused(tmp_path: Path, monkeypatch: pytes
     assert (tmp_path / "to" / "a" / "c").read_text() == "a/c"
 
 
-def test_a_life_is_what_gesture_computes_and_a_refusal_is_told(arm: Path, hasty: None, tmp_path: Path) -> None:
+def test_a_life_is_what_gesture_computes_and_a_refusal_is_told(
+    arm: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(robot, "SECONDS", 1.0)
     one = live(Life("arm", 0.5, 0, arm, tmp_path / "wave.csv"))
     assert one["joints"] == 3 and one["slowed"] == 1
     assert set(one["rmse"]) == {"deg"} and all(0 < value < 30 for value in one["rmse"]["deg"].values())
