@@ -146,17 +146,9 @@ def servos(model: mujoco.MjModel, name: str, *, give: bool = False) -> dict[str,
         raise BodyError(f"{name}: it has no position actuators; add <position joint=... kp=...> for each joint to move")
     taken, given = set[int](), dict[str, Gains]()
     for i in range(model.nu):
-        moved = driven(model, i, name)
-        said = f"{name}: actuator {model.actuator(i).name or f'number {i}'!r}"
-        if not taken.isdisjoint(moved.joints):
-            raise BodyError(f"{said} is not a position servo on a joint of its own: another one moves it too")
-        taken |= {*moved.joints}
-        bare = _bare(model, i, said, give)
-        _limit(model, i, moved, said)
-        if bare:
-            given[moved.name] = _give(model, i, moved)
-        else:
-            _normal(model, i, moved, said)
+        moved, found = servo(model, i, name, taken, give=give)
+        if found is not None:
+            given[moved.name] = found
     if given:  # explicit steps would have to be far shorter where a light joint sits on a heavy one
         model.opt.integrator = int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
     for key in range(model.nkey):  # one without commands holds its posture
@@ -164,6 +156,27 @@ def servos(model: mujoco.MjModel, name: str, *, give: bool = False) -> dict[str,
             held = [position(model, driven(model, i, name), model.key_qpos[key]) for i in range(model.nu)]
             model.key_ctrl[key] = np.clip(held, *model.actuator_ctrlrange.T)
     return given
+
+
+def servo(
+    model: mujoco.MjModel, i: int, name: str, taken: set[int], *, give: bool = False
+) -> tuple[Motor, Gains | None]:
+    """See that actuator i is a position servo on joints not yet `taken` (they are added) and bring it to normal form.
+
+    Raises:
+        BodyError: see `servos`.
+    """
+    moved = driven(model, i, name)
+    said = f"{name}: actuator {model.actuator(i).name or f'number {i}'!r}"
+    if not taken.isdisjoint(moved.joints):
+        raise BodyError(f"{said} is not a position servo on a joint of its own: another one moves it too")
+    taken |= {*moved.joints}
+    bare = _bare(model, i, said, give)
+    _limit(model, i, moved, said)
+    if bare:
+        return moved, _give(model, i, moved)
+    _normal(model, i, moved, said)
+    return moved, None
 
 
 def _bare(model: mujoco.MjModel, i: int, said: str, give: bool) -> bool:
