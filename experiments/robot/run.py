@@ -24,6 +24,8 @@ from models.units import SHOWN
 
 SECONDS, SWINGS, WIDEST, SPEED_SHARE = 8.0, 3, 0.6, 0.5
 """Of the template: s; joints swing once, twice, three times, once ...; most rad; share of the speed sense's range."""
+INSET = 0.03
+"""Share of a joint's range that the template leaves free at either end."""
 FEW = 6
 _EQ = mujoco.mjtEq
 CHAINS = (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD))
@@ -141,7 +143,8 @@ def template(body: SimulatedBody) -> FloatArray:
     low, high = body.joint_range.T
     asked = body.commands(np.array([np.full(len(body.joints), -1.0), np.full(len(body.joints), 1.0)]))
     low, high = np.maximum(low, asked.min(0)), np.minimum(high, asked.max(0))
-    rest = np.clip(body.joint_angles[0], low, high)
+    inset = INSET * (high - low)  # who rests at a joint's end is pushed back by it
+    rest = np.clip(body.joint_angles[0], low + inset, high - inset)
     side = np.where(high - rest >= rest - low, high - rest, low - rest)
     swings = 1 + np.arange(len(rest)) % SWINGS
     fast = SPEED_SHARE * body.senses.read(body.sense_high, "speed") * SECONDS / (np.pi * swings)
