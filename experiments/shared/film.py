@@ -22,6 +22,8 @@ FRAMES_S = 12.5
 """Pictures a second: every fourth tick of 20 ms, and whole hundredths of a second, as a GIF has them."""
 SIZES = {"mp4": (480, 360), "gif": (400, 300)}
 """Pixels across and down, by kind of film."""
+FINE = 50_000
+"""Triangles of meshes beyond which a film has half the pixels across, and half the pictures: every ray costs more."""
 COLOURS = 32
 """Of a GIF."""
 POINTS = 200
@@ -50,7 +52,11 @@ def filmed(
         return {}
     make = {"mp4": write_mp4, "gif": write_gif}[kind]
     figure = None if teacher is None else (stick_figure(teacher, len(imitated), body.tick_s), teacher.bones)
-    return {f"film.{kind}": lambda path: make(path, frames(title, body, imitated, demonstrated, figure, SIZES[kind]))}
+    coarse = 2 if body.model.nmeshface > FINE else 1
+    size, rate = (SIZES[kind][0] // coarse, SIZES[kind][1] // coarse), FRAMES_S / coarse
+    return {
+        f"film.{kind}": lambda path: make(path, frames(title, body, imitated, demonstrated, figure, size, rate), rate)
+    }
 
 
 def frames(
@@ -60,43 +66,45 @@ def frames(
     demonstrated: FloatArray,
     figure: tuple[FloatArray, Sequence[tuple[int, int]]] | None,
     size: tuple[int, int],
+    rate: float = FRAMES_S,
 ) -> Iterator[Image.Image]:
-    """Pictures one after the other, so many pixels across and down; `figure`: the teacher's (T, K, 3) points and its
+    """Pictures one after the other, so many pixels across and down and so many a second; `figure`: the teacher's (T, K, 3) points and its
     bones."""
     scene, count = Filmed(body.model, GROUND, DEMONSTRATED), len(imitated)
     some = range(0, count, max(1, count // POINTS))
     reach = [scene.corners(one[t]).reshape(-1, 3) for one in (imitated, demonstrated) for t in some]
     view = view_of(np.concatenate(reach + ([] if figure is None else [figure[0].reshape(-1, 3)])), *size)
-    total = max(1, int(count * body.tick_s * FRAMES_S))
+    total = max(1, int(count * body.tick_s * rate))
     with progress("filming") as report:
         for number in range(total):
-            t = min(round(number / FRAMES_S / body.tick_s), count - 1)
+            t = min(round(number / rate / body.tick_s), count - 1)
             picture = Image.fromarray(scene.picture(view, imitated[t], demonstrated[t]))
             pen = ImageDraw.Draw(picture)
             if figure is not None:
                 places = view.pixels(figure[0][t])
                 for one, other in figure[1]:
                     pen.line([*places[one], *places[other]], fill=DEMONSTRATED, width=3)
-            pen.text((8, size[1] - 18), f"{title}, {number / FRAMES_S:.1f} s", fill=(220, 220, 220))
+            pen.text((8, size[1] - 18), f"{title}, {number / rate:.1f} s", fill=(220, 220, 220))
             yield picture
             report((number + 1) / total)
 
 
-def write_mp4(path: Path, pictures: Iterator[Image.Image]) -> None:
+def write_mp4(path: Path, pictures: Iterator[Image.Image], rate: float = FRAMES_S) -> None:
     """H.264 where PyAV has it, otherwise MPEG-4."""
     av: Any = import_module("av")  # an extra
     codec = "libx264" if "libx264" in av.codecs_available else "mpeg4"
     with av.open(str(path), "w") as film:
-        stream = film.add_stream(codec, rate=Fraction(FRAMES_S), options={"crf": "20"} if codec == "libx264" else {})
-        (stream.width, stream.height), stream.pix_fmt = SIZES["mp4"], "yuv420p"
-        for picture in pictures:
+        stream = film.add_stream(codec, rate=Fraction(rate), options={"crf": "20"} if codec == "libx264" else {})
+        first = next(pictures)
+        (stream.width, stream.height), stream.pix_fmt = first.size, "yuv420p"
+        for picture in chain([first], pictures):
             film.mux(stream.encode(av.VideoFrame.from_image(picture)))
         film.mux(stream.encode())
 
 
-def write_gif(path: Path, pictures: Iterator[Image.Image]) -> None:
+def write_gif(path: Path, pictures: Iterator[Image.Image], rate: float = FRAMES_S) -> None:
     """Few colours, those of the first picture, for ever."""
     first = next(pictures)
     palette = first.quantize(COLOURS, dither=Image.Dither.NONE)
     more = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in chain([first], pictures))
-    next(more).save(path, save_all=True, append_images=more, duration=int(1000 / FRAMES_S), loop=0, optimize=False)
+    next(more).save(path, save_all=True, append_images=more, duration=int(1000 / rate), loop=0, optimize=False)
