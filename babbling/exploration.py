@@ -78,6 +78,7 @@ def in_turn(
             there = now[rows, who] + step
             step = np.where((there < low[rows, who]) | (there > high[rows, who]), -step, step)
             start = now[rows, who]
+            step = np.clip(step, low[rows, who] - start, high[rows, who] - start)
             for share in r**3 * (10 - 15 * r + 6 * r * r):
                 now[rows, who] = start + step * share
                 yield now.copy()

@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import babbling.schema
 from babbling.axes import FloatArray
 from babbling.dynamics import fit_dynamics
 from babbling.errors import BabblingError
+from babbling.exploration import MotorRange, smooth
 from babbling.pilot import pilot, wire
 from babbling.schema import find_schema, mutual_information, resolution
 
@@ -118,8 +120,9 @@ def test_a_sense_that_rests_still_is_no_surer_than_its_steps() -> None:
     np.testing.assert_allclose(found.noise, [0.01 / np.sqrt(12), trembling], rtol=1e-6)
 
 
-def test_no_two_motors_share_a_sense() -> None:
+def test_no_two_motors_share_a_sense(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sense 0 tells most about both motors; each motor gets a sense of its own all the same."""
+    monkeypatch.setattr(babbling.schema, "HELD", 0)  # neither is a servo's
     rng = np.random.default_rng(0)
     motors = rng.uniform(-1, 1, (60, 8, 2))
     first = motors[..., 0] + 1.2 * motors[..., 1]
@@ -145,7 +148,9 @@ def test_where_nothing_tells_of_rates_the_schema_has_none_and_a_servo_cannot_be_
         def act(self, motors: FloatArray) -> FloatArray:
             return plant.act(motors)[:, still]
 
-    schema, ticks = wire(Numb(), iter(np.random.default_rng(0).uniform(-1, 1, (400, plant.copies, 3))))
+    one = np.ones(3)
+    stream = smooth(MotorRange(-one, one, 0 * one, one, 0 * one), plant.copies, TICK, np.random.default_rng(0))
+    schema, ticks = wire(Numb(), stream)
     servo = np.argsort(plant.drives)
     np.testing.assert_array_equal(schema.posture, servo)
     assert not len(schema.rate) and not len(schema.rate_noise) and ticks == 500
