@@ -29,9 +29,8 @@ JITTER, JITTER_SHARE = 0.0105, 1 / 80
 """Command noise while babbling, so that actions vary at every speed: rad, about 0.6 degrees, but no more than this
 share of a posture's range (a finger's 4 cm)."""
 SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 7.5
-PER_MOTOR_S, AT_ONCE_S, LEAST_SLOT_S = 2.0, 50.0, 0.2
-"""Body time of wiring, for each motor and in all, from which all may move at once; below it they move in turn, for so
-long at least."""
+PER_MOTOR_S, AT_ONCE_S = 2.0, 50.0
+"""Body time of wiring, for each motor and in all, from which all may move at once; below it they move in turn."""
 ENDS = 0.05
 """Share of a posture's range that babbling leaves free at either end."""
 
@@ -115,7 +114,7 @@ def begin(
     everything = MotorRange(body.motor_low, body.motor_high, middle, half / 2, 0 * half)
     rng, enough = np.random.default_rng([seed, 1]), max(PER_MOTOR_S * len(half), AT_ONCE_S)
     if WIRING_S * body.copies < enough:
-        slot = float(np.clip((WIRING_S - SETTLE_S) / len(half), LEAST_SLOT_S, PER_MOTOR_S / 2))
+        slot = min((WIRING_S - SETTLE_S) / len(half), PER_MOTOR_S / 2)  # all get their turn, however many they are
         schema, _ = wire(body, in_turn(everything, body.copies, tick, rng, slot, SETTLE_S), told=one_by_one)
     else:
         schema, _ = wire(body, smooth(everything, body.copies, tick, rng))
