@@ -65,13 +65,15 @@ def in_turn(
     motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator, slot_s: float, still_s: float
 ) -> Iterator[FloatArray]:
     """One motor after the other, in an order of each copy's own: minimum-jerk moves of `slot_s`, either way, whose peak
-    speed is half the limit; before them nothing moves for `still_s`. What then changes is that motor's doing."""
+    speed is half the limit at most; before them nothing moves for `still_s`. What changes then is its doing."""
     shape, rows = (copies, len(motors.low)), np.arange(copies)
-    low, high, far = (np.broadcast_to(v, shape) for v in (motors.low, motors.high, motors.speed / 2 * slot_s * 8 / 15))
+    far = np.minimum(motors.speed / 2 * slot_s * 8 / 15, (motors.high - motors.low) / 2)  # there is room either way
+    low, high, far = (np.broadcast_to(v, shape) for v in (motors.low, motors.high, far))
     now = np.broadcast_to(motors.rest, shape).copy()
     for _ in range(round(still_s / tick_s)):
         yield now.copy()
-    r = np.arange(1, max(round(slot_s / tick_s), 2) + 1) / max(round(slot_s / tick_s), 2)
+    ticks = max(int(slot_s / tick_s + 1e-9), 2)
+    r = np.arange(1, ticks + 1) / ticks
     while True:
         for who in rng.permuted(np.tile(np.arange(shape[1]), (copies, 1)), axis=1).T:
             step = far[rows, who] * rng.choice([-1.0, 1.0], copies)

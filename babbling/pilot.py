@@ -29,9 +29,8 @@ JITTER, JITTER_SHARE = 0.0105, 1 / 80
 """Command noise while babbling, so that actions vary at every speed: rad, about 0.6 degrees, but no more than this
 share of a posture's range (a finger's 4 cm)."""
 SETTLE_S, REST_S, WIRING_S, PILOT_S = 1.0, 1.0, 8.0, 7.5
-PER_MOTOR_S, AT_ONCE_S, LEAST_SLOT_S = 2.0, 50.0, 0.2
-"""Body time of wiring, for each motor and in all, from which all may move at once; below it they move in turn, for so
-long at least."""
+PER_MOTOR_S, AT_ONCE_S = 2.0, 50.0
+"""Body time of wiring, for each motor and in all, from which all may move at once; below it they move in turn."""
 ENDS = 0.05
 """Share of a posture's range that babbling leaves free at either end."""
 
@@ -160,7 +159,7 @@ def _wired(body: Body, everything: MotorRange, seed: int) -> tuple[BodySchema, i
             return wire(body, smooth(everything, copies, tick, np.random.default_rng([seed, 1])))
         except Unfelt:
             spent = round((SETTLE_S + REST_S + WIRING_S) / tick)
-    slot = float(np.clip((WIRING_S - SETTLE_S) / count, LEAST_SLOT_S, PER_MOTOR_S / 2))
+    slot = min((WIRING_S - SETTLE_S) / count, PER_MOTOR_S / 2)  # all get their turn, however many they are
     turns = in_turn(everything, copies, tick, np.random.default_rng([seed, 1]), slot, SETTLE_S)
     schema, wired = wire(body, turns, told=one_by_one)
     return schema, spent + wired

@@ -181,7 +181,8 @@ def regress(
             used[..., None], miss, 0.0
         )  # of the rows themselves: sums lose a small rest beside large targets
         fit = fit._replace(covariance=np.einsum("nfi,nfj->fij", rest, rest) / np.maximum(fit.samples, 1)[:, None, None])
-        used = usable & np.all(np.abs(miss) <= outlier * fit.noise, axis=-1)
+        rounded = 1e-9 * np.abs(np.where(usable[..., None], y, 0)).max(0)  # is no outlier
+        used = usable & np.all(np.abs(miss) <= outlier * fit.noise + rounded, axis=-1)
     return fit
 
 

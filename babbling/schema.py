@@ -13,7 +13,7 @@ from typing import Annotated
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.errors import BabblingError
 from babbling.kinds import Numbers
 from babbling.regression import regress
@@ -143,16 +143,18 @@ def find_schema(
     rate = posture[:0]
     if s.shape[1] >= 2 * m.shape[1]:
         posture, rate = _rates(senses, posture, tick_s)
-    offset, slope = _efference(m, s[:, posture], s[:, rate], low[posture], high[posture])
-    told_by = [np.ones_like(m), m, s[:, rate]][: 2 + (rate.size > 0)]
-    held = 1 - regress(np.stack(told_by, -1), s[:, posture, None]).covariance[:, 0, 0] / s[:, posture].var(0)
+    noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
+    room = 0.06 * (high - low)[posture]
+    away = (s[:, posture] > low[posture] + room) & (s[:, posture] < high[posture] - room)
+    told_by = np.stack([np.ones_like(m), m, s[:, rate]][: 2 + (rate.size > 0)], -1)
+    offset, slope = _efference(told_by, s[:, posture], away)
+    held = _held(told_by, s[:, posture], away, noise[posture] ** 2, noise[rate] ** 2)
     if held.min() < HELD:
         free = int(np.argmin(held))
         raise BabblingError(
             f"motor {free} asks for no posture: what it is told explains {max(held[free], 0):.0%} of the sense that it "
             f"moves most, a servo's at least {HELD:.0%}; torques and speeds need position servos around them"
         )
-    noise = np.sqrt(resting.var(axis=0).mean(0) + resolution(s) ** 2 / 12)
     return BodySchema(posture, rate, offset, slope, noise[posture], noise[rate], information)
 
 
@@ -189,18 +191,24 @@ def resolution(senses: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(np.where(steps > 1e-9, steps, np.inf).min(axis=0, initial=1.0), 1e-6))
 
 
-def _efference(
-    motors: FloatArray, postures: FloatArray, rates: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _efference(told_by: FloatArray, postures: FloatArray, away: BoolArray) -> tuple[FloatArray, FloatArray]:
     """posture = offset + slope motor - lag rate, by least squares where the posture is away from its ends.
 
     Samples that a fit misses by far are cut commands (beyond what the drive accepts) and are left out of the next.
     """
-    room = 0.06 * (high - low)
-    away = (postures > low + room) & (postures < high - room)
-    told = [np.ones_like(motors), motors, rates] if rates.size else [np.ones_like(motors), motors]
-    fit = regress(np.stack(told, axis=-1), postures[..., None], keep=away, outlier=3.0, rounds=4)
+    fit = regress(told_by, postures[..., None], keep=away, outlier=3.0, rounds=4)
     if (fit.samples < 10).any():
         stuck = int(np.argmin(fit.samples))
         raise BabblingError(f"motor {stuck}: its posture sense never leaves the ends of its range")
     return fit.coefficients[:, 0, 0], fit.coefficients[:, 0, 1]
+
+
+def _held(
+    told_by: FloatArray, postures: FloatArray, away: BoolArray, noise: FloatArray, rate_noise: FloatArray
+) -> FloatArray:
+    """(F,) share of the variance of postures away from their ends that such a line explains, of what is not noise."""
+    fit = regress(told_by, postures[..., None], keep=away)
+    if rate_noise.size:
+        noise = noise + fit.coefficients[:, 0, 2] ** 2 * rate_noise
+    left = np.maximum(fit.covariance[:, 0, 0] - noise, 0)
+    return np.asarray(1 - left / np.nanvar(np.where(away, postures, np.nan), axis=0))

@@ -16,7 +16,7 @@ from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
 from models.fingerprints import fingerprint
 from models.senses import Channel, Senses, sensor_channels
-from models.servos import PULLS, Gains, driven, posed, reach, resting
+from models.servos import PULLS, Gains, driven, posed, position, reach, resting
 from models.units import SHOWN
 from models.wear import Wear, ball_radius
 from models.wiring import Wiring
@@ -84,7 +84,7 @@ class SimulatedBody:
             if motor not in names:
                 raise BodyError(unknown("joint with a motor", motor, names))
         self.joints = tuple(motors or names)
-        self.actuators = np.array([names.index(joint) for joint in self.joints])
+        self.actuators = pulls[[names.index(joint) for joint in self.joints]]
         self.moved = tuple(known[joint] for joint in self.joints)
         self.units = tuple(one.unit for one in self.moved)
         self.shown_units = tuple(SHOWN[unit][0] for unit in self.units)
@@ -99,6 +99,8 @@ class SimulatedBody:
         self._low, self._high = control.T.copy()
         self._centre, self._half = control.mean(1), (control[:, 1] - control[:, 0]) / 2
         self._key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+        held, self._held = [position(model, one, resting(model)) for one in known.values()], np.zeros(model.nu)
+        self._held[pulls] = np.clip(held, *model.actuator_ctrlrange[pulls].T)
         low, high = self.joint_range.T
         turns, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
         speed = np.where([unit == "m" for unit in self.units], SLIDES_PER_S * (high - low), turns)
@@ -141,8 +143,7 @@ class SimulatedBody:
         """All copies to the rest posture, their servos holding it; returns (B, S) sensations."""
         self.batch.reset(keyframe=self._key)
         if self._key < 0:
-            resting = self.batch.qpos[:, self.model.jnt_qposadr[self.model.actuator_trnid[:, 0]]]
-            self.batch.ctrl[:] = np.clip(resting, *self.model.actuator_ctrlrange.T)
+            self.batch.ctrl[:] = self._held
         if self._sensors:
             self.batch.forward()
         self._played[:] = self.batch.ctrl[:, self.actuators]
@@ -181,9 +182,9 @@ class SimulatedBody:
         """
         if joint not in self.joints:
             raise BodyError(unknown("joint with a motor", joint, self.joints))
-        dof = self._dof[self.joints.index(joint)]
-        self.batch.expand("dof_damping")[copies, dof] = JAMMED
-        self.batch.qvel[copies, dof] = 0
+        for dof in self.model.jnt_dofadr[list(self.moved[self.joints.index(joint)].joints)]:
+            self.batch.expand("dof_damping")[copies, dof] = JAMMED
+            self.batch.qvel[copies, dof] = 0
 
     def carry(self, kg: float, body: str, copies: slice | IntArray = EVERY) -> None:
         """From now on this body of the model holds a steel ball of so many kg at its centre of mass; 0 drops it.

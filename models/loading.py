@@ -10,7 +10,7 @@ from models.body import SimulatedBody
 from models.errors import BodyError
 from models.files import checked
 from models.robots import ROBOTS, Robot, find
-from models.servos import PULLS, servos
+from models.servos import PULLS, driven, servos
 from models.standing import Individuals, StandingBody
 from models.wear import ball_radius
 
@@ -95,13 +95,17 @@ def hung(robot: Robot) -> mujoco.MjSpec:
     """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching springs alone."""
     spec = mujoco.MjSpec.from_file(str(robot.path))
     model = spec.compile()
-    roots = _roots(model)
+    roots = _roots(model, str(robot.path))
     free = [joint for joint in spec.joints if joint.id in roots]
     if free:
         gone = {place for joint in free for place in _places(model, joint.id)}
         kept = [i for i in range(model.nq) if i not in gone]
         for key in spec.keys:
             key.qpos, key.qvel = np.array(key.qpos)[kept] if len(key.qpos) else [], []
+        names = {joint.name for joint in free}
+        for sensor in [*spec.sensors]:
+            if sensor.objtype == mujoco.mjtObj.mjOBJ_JOINT and sensor.objname in names:
+                spec.delete(sensor)
     for joint in free:
         if robot.hangs_at is not None:
             joint.parent.pos = (0, 0, robot.hangs_at)
@@ -119,12 +123,13 @@ def hung(robot: Robot) -> mujoco.MjSpec:
     return spec
 
 
-def _roots(model: mujoco.MjModel) -> set[int]:
+def _roots(model: mujoco.MjModel, name: str) -> set[int]:
     """Joints that only let a whole robot go where it will: free ones, and those between the world and the body that all
     its motors are on, which no motor, tendon or equality uses (planar bases)."""
-    pulled = model.actuator_trnid[np.isin(model.actuator_trntype, PULLS[:2]), 0]
-    tied = model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT)
-    used = {*pulled.tolist(), *model.wrap_objid, *model.eq_obj1id[tied], *model.eq_obj2id[tied]}
+    pulls = np.flatnonzero(np.isin(model.actuator_trntype, PULLS))
+    pulled = {joint for i in pulls for joint in driven(model, int(i), name).joints}
+    tied, wraps = model.eq_type == int(mujoco.mjtEq.mjEQ_JOINT), model.wrap_type == int(mujoco.mjtWrap.mjWRAP_JOINT)
+    used = {*pulled, *model.wrap_objid[wraps], *model.eq_obj1id[tied], *model.eq_obj2id[tied]}
     carried = {int(model.body_rootid[model.jnt_bodyid[joint]]) for joint in pulled}
     kinds = zip(model.jnt_type, model.jnt_bodyid, strict=True)
     free = {joint for joint, (kind, _) in enumerate(kinds) if kind == int(mujoco.mjtJoint.mjJNT_FREE)}
@@ -182,13 +187,15 @@ def compiled(robot: Robot) -> mujoco.MjModel:
     checked(robot.path)
     try:
         model = hung(robot).compile()
+    except BodyError:
+        raise
     except (ValueError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise BodyError(f"{robot.path}: MuJoCo cannot compile it ({reason})") from error
-    steps = max(1, int(np.ceil(TICK_S / model.opt.timestep - 1e-9)))
+    steps = max(1.0, np.ceil(TICK_S / model.opt.timestep - 1e-9)) if model.opt.timestep > 0 else np.inf
     if steps > MOST_STEPS:
         raise BodyError(
-            f"{robot.path}: its timestep of {model.opt.timestep:g} s makes {steps} steps of every control tick of "
+            f"{robot.path}: its timestep of {model.opt.timestep:g} s makes {steps:g} steps of every control tick of "
             f"{TICK_S:g} s; {TICK_S / MOST_STEPS:g} s or more is possible"
         )
     model.opt.timestep = TICK_S / steps  # whole steps, none longer than it asked for

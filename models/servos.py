@@ -91,6 +91,8 @@ def driven(model: mujoco.MjModel, actuator: int, name: str) -> Motor:
             raise BodyError(f"{said} pulls a tendon through space; only <fixed> tendons of joints are understood")
         label, joints = model.tendon(pulled).name, [int(model.wrap_objid[i]) for i in wraps]
         shares = [float(model.wrap_prm[i]) for i in wraps]
+        if not any(shares):
+            raise BodyError(f"{said} pulls tendon {label!r}, whose coefficients are all 0; it moves nothing")
     units = {_UNITS.get(int(model.jnt_type[joint]), "") for joint in joints}
     if len(units) != 1 or "" in units:
         raise BodyError(f"{said} moves no hinges alone and no slides alone; a servo turns hinges or drives slides")
@@ -144,17 +146,23 @@ def servos(model: mujoco.MjModel, name: str, *, give: bool = False) -> dict[str,
     """
     if model.nu == 0:
         raise BodyError(f"{name}: it has no position actuators; add <position joint=... kp=...> for each joint to move")
-    taken, given = set[int](), dict[str, Gains]()
+    taken, given, motors = set[int](), dict[str, Gains](), dict[str, Motor]()
+    silent = ~model.key_ctrl.any(1)
     for i in range(model.nu):
         moved, found = servo(model, i, name, taken, give=give)
         if found is not None:
             given[moved.name] = found
+        if moved.name in motors:
+            raise BodyError(
+                f"{name}: two motors move what is named {moved.name!r}, a joint or a tendon; rename one of them"
+            )
+        motors[moved.name] = moved
     if given:  # explicit steps would have to be far shorter where a light joint sits on a heavy one
         model.opt.integrator = int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST)
-    for key in range(model.nkey):  # one without commands holds its posture
-        if not model.key_ctrl[key].any():
-            held = [position(model, driven(model, i, name), model.key_qpos[key]) for i in range(model.nu)]
-            model.key_ctrl[key] = np.clip(held, *model.actuator_ctrlrange.T)
+    for i, moved in enumerate(motors.values()):  # without commands, or with torques, a key holds its posture
+        keys = silent | (moved.name in given)
+        held = position(model, moved, model.key_qpos[keys])
+        model.key_ctrl[keys, i] = np.clip(held, *model.actuator_ctrlrange[i])
     return given
 
 
@@ -244,16 +252,16 @@ def _give(model: mujoco.MjModel, i: int, moved: Motor) -> Gains:
     shares = np.array(moved.shares)
     way[model.jnt_dofadr[list(moved.joints)]] = shares / (shares @ shares)
     found = gains(float(way @ full @ way), float(way**2 @ model.dof_damping))
-    torque = model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_NONE)
-    if torque and model.actuator_ctrllimited[i]:  # what it could be told is what it can do
-        most = np.sort(gain * model.actuator_ctrlrange[i])
+    affine = model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_AFFINE)
+    bias = model.actuator_biasprm[i] if affine else np.zeros(3)
+    if not bias[2] and model.actuator_ctrllimited[i]:  # what it could be told is what it can do
+        most = np.sort(gain * model.actuator_ctrlrange[i] + bias[0])
         if model.actuator_forcelimited[i]:
             most = np.clip(most, *model.actuator_forcerange[i])
         model.actuator_forcerange[i], model.actuator_forcelimited[i] = most, 1
     model.actuator_biastype[i] = int(mujoco.mjtBias.mjBIAS_AFFINE)
     _write(model, i, found.kp, found.kv, gear)
     model.actuator_ctrlrange[i], model.actuator_ctrllimited[i] = reach(model, moved), 1
-    model.key_ctrl[:, i] = 0  # it said torques
     return found
 
 

@@ -68,8 +68,8 @@ def frames(
     size: tuple[int, int],
     rate: float = FRAMES_S,
 ) -> Iterator[Image.Image]:
-    """Pictures one after the other, so many pixels across and down and so many a second; `figure`: the teacher's (T, K, 3) points and its
-    bones."""
+    """Pictures one after the other, so many pixels across and down and so many a second; `figure`: the teacher's
+    (T, K, 3) points and its bones."""
     scene, count = Filmed(body.model, GROUND, DEMONSTRATED), len(imitated)
     some = range(0, count, max(1, count // POINTS))
     reach = [scene.corners(one[t]).reshape(-1, 3) for one in (imitated, demonstrated) for t in some]

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import babbling.exploration
-from babbling.exploration import MotorRange, choices, smooth
+from babbling.exploration import MotorRange, choices, in_turn, smooth
 
 LOW, HIGH = np.array([0.0, -2.0, 1.0]), np.array([4.0, 1.0, 2.0])
 MOTORS = MotorRange(LOW, HIGH, rest=np.array([2.0, 0.0, 1.0]), speed=(HIGH - LOW) / 0.3, jitter=np.zeros(3))
@@ -53,3 +53,36 @@ def test_choices_are_whole_numbers_each_as_likely() -> None:
     share = np.bincount(sent.astype(int).ravel(), minlength=5) / sent.size
     assert (sent == np.round(sent)).all()
     np.testing.assert_allclose(share, 0.2, atol=4 * np.sqrt(0.16 / sent.size))
+
+
+def turns(motors: MotorRange, slot_s: float, ticks: int, seed: int = 0, copies: int = 3) -> NDArray[np.float64]:
+    """(T, B, M)."""
+    stream = in_turn(motors, copies, 0.02, np.random.default_rng(seed), slot_s, 0.2)
+    return np.array(list(islice(stream, ticks)))
+
+
+@pytest.mark.parametrize("slot_s", [0.2, 0.35, 3.0])
+def test_in_turn_one_motor_moves_at_a_time_and_each_has_its_turn(slot_s: float) -> None:
+    slot = int(slot_s / 0.02 + 1e-9)
+    sent = turns(MOTORS, slot_s, 10 + 3 * slot * 4)
+    np.testing.assert_array_equal(sent[:10], np.broadcast_to(MOTORS.rest, (10, 3, 3)))  # before them nothing moves
+    assert (sent >= LOW - 1e-12).all() and (sent <= HIGH + 1e-12).all()
+    moved = np.diff(sent[9:], axis=0) != 0
+    assert moved.sum(-1).max() == 1
+    who = moved.reshape(4, 3, slot, 3, 3).any(2)  # round, turn, copy, motor
+    assert (who.sum(-1) == 1).all() and (who.sum(1) == 1).all()
+    orders = who.argmax(-1).transpose(0, 2, 1).reshape(-1, 3)
+    assert len({*map(tuple, orders)}) > 3, "in an order of each copy's own"
+
+
+def test_in_turn_moves_are_minimum_jerk_at_half_the_speed_either_way() -> None:
+    slow = replace(MOTORS, rest=(LOW + HIGH) / 2, speed=(HIGH - LOW) / 4)
+    sent = turns(slow, 0.4, 10 + 20 * 300, copies=2)
+    step = np.diff(sent[9:], axis=0)
+    fastest = np.abs(step).max((0, 1)) / 0.02 / slow.speed
+    np.testing.assert_allclose(fastest, 0.5, rtol=0.01)  # and nothing jumps
+    ways = step.reshape(300, 20, 2, 3).sum(1)
+    np.testing.assert_allclose(np.abs(ways).max(-1), np.take(slow.speed * 0.4 * 4 / 15, np.abs(ways).argmax(-1)))
+    assert 0.4 < (ways.sum(-1) > 0).mean() < 0.6
+    np.testing.assert_array_equal(sent, turns(slow, 0.4, 10 + 20 * 300, copies=2))
+    assert (sent != turns(slow, 0.4, 10 + 20 * 300, seed=1, copies=2)).any()

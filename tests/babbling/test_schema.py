@@ -5,51 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import babbling.schema
 from babbling.axes import FloatArray
 from babbling.dynamics import fit_dynamics
 from babbling.errors import BabblingError
+from babbling.exploration import MotorRange, smooth
 from babbling.pilot import pilot, wire
-from babbling.schema import find_schema, mutual_information, resolution
+from babbling.schema import find_schema, mutual_information, one_by_one, resolution
+from tests.babbling.plant import TICK, Plant
 
-TICK = 0.02
 seeds = st.integers(0, 2**32 - 1)
-
-
-class Plant:
-    """Servos that go a share of the way each tick, behind permuted, flipped, scaled lines; one may be dead."""
-
-    def __init__(self, seed: int, motors: int = 5, copies: int = 6, dead: int | None = None) -> None:
-        rng = np.random.default_rng(seed)
-        self.drives = rng.permutation(motors)
-        """Motor line of each servo."""
-        self.lines = rng.permutation(2 * motors)
-        """Which of (angles, speeds) stands on each sense line."""
-        self.gain = np.exp(rng.uniform(np.log(0.5), np.log(2), motors)) * rng.choice([-1.0, 1.0], motors)
-        self.offset = rng.uniform(-0.2, 0.2, motors)
-        self.copies, self.tick_s, self.fingerprint, self.dead = copies, TICK, "plant", dead
-        self.motor_low, self.motor_high = -np.ones(motors), np.ones(motors)
-        reach = np.concatenate([np.abs(self.gain) + 0.2, np.full(motors, 5.0)])
-        self.sense_low, self.sense_high = -reach[self.lines], reach[self.lines]
-
-    def reset(self) -> FloatArray:
-        self.q = np.zeros((self.copies, len(self.drives)))
-        self.v = np.zeros_like(self.q)
-        return self.feel()
-
-    def act(self, motors: FloatArray) -> FloatArray:
-        wanted = self.gain * motors[:, self.drives] + self.offset
-        if self.dead is not None:
-            wanted[:, self.drives == self.dead] = 0
-        step = 0.3 * (wanted - self.q)
-        self.q, self.v = self.q + step, step / TICK
-        return self.feel()
-
-    def feel(self) -> FloatArray:
-        return np.concatenate([self.q, self.v], 1)[:, self.lines]
-
-    def sense_of(self, which: FloatArray) -> FloatArray:
-        """Sense line on which angle (0 .. M - 1) or speed (M ..) number `which` stands."""
-        return np.argsort(self.lines)[which]
 
 
 @settings(max_examples=8, deadline=None)
@@ -118,8 +83,9 @@ def test_a_sense_that_rests_still_is_no_surer_than_its_steps() -> None:
     np.testing.assert_allclose(found.noise, [0.01 / np.sqrt(12), trembling], rtol=1e-6)
 
 
-def test_no_two_motors_share_a_sense() -> None:
+def test_no_two_motors_share_a_sense(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sense 0 tells most about both motors; each motor gets a sense of its own all the same."""
+    monkeypatch.setattr(babbling.schema, "HELD", 0)  # neither is a servo's
     rng = np.random.default_rng(0)
     motors = rng.uniform(-1, 1, (60, 8, 2))
     first = motors[..., 0] + 1.2 * motors[..., 1]
@@ -145,7 +111,9 @@ def test_where_nothing_tells_of_rates_the_schema_has_none_and_a_servo_cannot_be_
         def act(self, motors: FloatArray) -> FloatArray:
             return plant.act(motors)[:, still]
 
-    schema, ticks = wire(Numb(), iter(np.random.default_rng(0).uniform(-1, 1, (400, plant.copies, 3))))
+    one = np.ones(3)
+    stream = smooth(MotorRange(-one, one, 0 * one, one, 0 * one), plant.copies, TICK, np.random.default_rng(0))
+    schema, ticks = wire(Numb(), stream)
     servo = np.argsort(plant.drives)
     np.testing.assert_array_equal(schema.posture, servo)
     assert not len(schema.rate) and not len(schema.rate_noise) and ticks == 500
@@ -219,3 +187,79 @@ def test_slow_residuals_are_the_bias() -> None:
         slow.append(fit_dynamics(schema, motors, senses).bias_variance / 0.01**2)
     assert slow[0].max() < 0.05
     assert 0.5 < slow[1].min() and slow[1].max() < 1.1
+
+
+# ------------------------------------------------------------------ motors that move in turn
+
+
+def test_bits_of_changes_are_those_of_correlated_gaussians() -> None:
+    """-1/2 log2(1 - r^2) between changes over 0.8 s, however a thing is measured, whatever stands or drifts beside."""
+    rng = np.random.default_rng(0)
+    x, e = np.cumsum(rng.standard_normal((2, 20000, 2, 2)), axis=1)
+    told = one_by_one(x, np.concatenate([0.6 * x + 0.8 * e, -5 * x + 3], -1))[0]
+    np.testing.assert_allclose(np.diag(told), -0.5 * np.log2(1 - 0.36), rtol=0.3)
+    assert np.diag(told[:, 2:]).min() > 10 and told[[0, 1], [1, 0]].max() < 0.1
+    still = one_by_one(x, np.zeros((20000, 2, 3)))[0]
+    assert still.shape == (2, 3) and not still.any()
+
+
+def waves(seed: int = 0) -> tuple[FloatArray, FloatArray]:
+    """(T, B, 2) commands, and (T, B, 4) senses: postures that follow them, then their rates."""
+    rng = np.random.default_rng(seed)
+    one = np.ones(2)
+    stream = smooth(MotorRange(-one, one, 0 * one, 2 * one, 0 * one), 6, TICK, rng)
+    motors = np.array([next(stream) for _ in range(400)])
+    rates = np.diff(motors, axis=0, prepend=motors[:1]) / TICK
+    return motors, np.concatenate([0.8 * motors, 0.8 * rates], -1)
+
+
+@pytest.mark.parametrize("mistaken", [(), (0,), (1,), (0, 1)])
+def test_a_posture_mistaken_for_a_rate_is_put_right(mistaken: tuple[int, ...]) -> None:
+    """Whatever bits say: a sense that is another's change is that one's rate."""
+    motors, senses = waves()
+
+    def told(m: FloatArray, s: FloatArray) -> tuple[FloatArray, float]:
+        bits = np.array([[3.0, 0, 1, 0], [0, 3, 0, 1]])
+        for f in mistaken:
+            bits[f, 2 + f] = 5
+        return bits, 0.1
+
+    found = find_schema(motors, senses, senses[:1], np.full(4, -2.0), np.full(4, 2.0), TICK, told)
+    assert found.posture.tolist() == [0, 1] and found.rate.tolist() == [2, 3]
+    np.testing.assert_allclose(found.slope, 0.8, rtol=1e-6)
+
+
+def test_a_posture_that_is_taken_is_no_other_motors() -> None:
+    """Motor 1 moves a rate of motor 0's posture and nothing else: it gets no posture that is motor 0's."""
+    motors, senses = waves()
+
+    def told(m: FloatArray, s: FloatArray) -> tuple[FloatArray, float]:
+        return np.array([[3.0, 0, 1, 0], [0, 0, 2, 0]]), 0.1
+
+    with pytest.raises(BabblingError, match="motor 1 asks for no posture"):
+        find_schema(motors, senses, senses[:1], np.full(4, -2.0), np.full(4, 2.0), TICK, told)
+
+
+def test_what_is_pushed_about_asks_for_no_posture() -> None:
+    """A pendulum on a torque motor is moved by it and told apart; a servo that lags by a fifth of a second is none."""
+
+    class Pushed(Plant):
+        def act(self, motors: FloatArray) -> FloatArray:
+            wanted = self.gain * motors[:, self.drives]
+            torque = np.where(np.arange(len(self.drives)) == servo, 30 * wanted - self.q, 0)
+            self.v = self.v + TICK * (torque - 0.5 * self.v)
+            pushed = self.q + TICK * self.v
+            followed = self.q + 0.1 * (wanted - self.q)
+            here = np.arange(len(self.drives)) == servo
+            self.v = np.where(here, self.v, (followed - self.q) / TICK)
+            self.q = np.where(here, pushed, followed)
+            return self.feel()
+
+    for seed, copies in ((0, 8), (1, 1)):
+        plant = Pushed(seed, motors=3, copies=copies)
+        servo = seed
+        plant.sense_low, plant.sense_high = plant.sense_low - 9, plant.sense_high + 9
+        with pytest.raises(BabblingError, match=f"motor {plant.drives[servo]} asks for no posture: .*at least 70%"):
+            pilot(plant, 0)
+        servo = -1
+        assert len(pilot(plant, 0).schema.posture) == 3

@@ -109,3 +109,102 @@ def test_joints_without_names_or_limits_get_some(tmp_path: Path) -> None:
     body = load_body(path)
     np.testing.assert_allclose(body.joint_range, [[-np.pi, np.pi]])
     assert body.act(np.array([[0.1]])).shape == (1, 2)
+
+
+BASE = '<joint name="rootx" type="slide" axis="1 0 0"/><joint name="rootz" type="slide" axis="0 0 1"/>' \
+    '<joint name="rooty" axis="0 1 0"/>'  # fmt: skip
+LEG = """<mujoco><compiler autolimits="true" angle="radian"/><option timestep="{step}"/><worldbody><body name="trunk">
+  {base}<geom size=".1"/><site name="s"/><body pos="0 0 -.3"><joint name="hip" axis="0 1 0" range="{hip}" damping="1"/>
+  <geom size=".05"/><site name="t"/><body pos="0 0 -.3"><joint name="knee" axis="0 1 0" range="{knee}" damping="1"/>
+  <geom size=".05"/></body></body></body></worldbody>{more}<actuator>{motors}</actuator></mujoco>"""
+BOTH = '<position joint="hip" kp="5"/><position joint="knee" kp="5"/>'
+
+
+def leg(tmp_path: Path, motors: str = BOTH, **how: str) -> Path:
+    usual = {"base": BASE, "hip": "-1 1", "knee": "-1 1", "more": "", "step": "0.004"}
+    return written(tmp_path, LEG.format(**(usual | how), motors=motors))
+
+
+def joints(model: mujoco.MjModel) -> list[str]:
+    return [model.joint(i).name for i in range(model.njnt)]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "",
+        '<sensor><jointpos joint="rootx"/><framepos objtype="site" objname="s"/></sensor>',
+        '<keyframe><key name="home" qpos="9 8 7 0.3 -0.4" qvel="9 8 7 6 5"/></keyframe>',
+        '<tendon><spatial stiffness="1"><site site="s"/><site site="t"/></spatial></tendon>',  # has sites 0 and 1
+    ],
+)
+def test_a_planar_base_is_hung(tmp_path: Path, more: str) -> None:
+    body = load_body(leg(tmp_path, more=more))
+    assert joints(body.model) == ["hip", "knee"]
+    rest = [0.3, -0.4] if "home" in more else [0, 0]
+    np.testing.assert_array_equal(body.joint_angles, [rest])
+    np.testing.assert_array_equal(body.batch.ctrl, [rest])
+
+
+def test_a_planar_base_is_hung_too_where_tendons_are_pulled(tmp_path: Path) -> None:
+    tendon = '<tendon><fixed name="f"><joint joint="hip" coef="1"/><joint joint="knee" coef="1"/></fixed></tendon>'
+    body = load_body(leg(tmp_path, '<position tendon="f" kp="5"/>', more=tendon))
+    assert joints(body.model) == ["hip", "knee"] and body.joints == ("f",)
+
+
+@pytest.mark.parametrize(
+    ("motors", "more", "kept"),
+    [
+        (BOTH + '<position joint="rootz" kp="9"/>', "", ["rootz"]),
+        (BOTH, '<equality><joint joint1="rooty" joint2="hip"/></equality>', ["rooty"]),
+        (BOTH, '<tendon><fixed stiffness="1"><joint joint="rootx" coef="1"/></fixed></tendon>', ["rootx"]),
+    ],
+)
+def test_a_base_that_something_holds_stays(tmp_path: Path, motors: str, more: str, kept: list[str]) -> None:
+    base = BASE.replace('"rootz"', '"rootz" range="-1 1"')
+    assert joints(load_body(leg(tmp_path, motors, more=more, base=base)).model) == [*kept, "hip", "knee"]
+
+
+def test_a_pole_on_a_cart_swings_and_what_has_no_motors_stays_as_it_is(tmp_path: Path) -> None:
+    text = """<mujoco><worldbody><body><joint name="cart" type="slide" axis="1 0 0" range="-1 1" limited="true"/>
+      <geom size=".1"/><body><joint name="pole"/><geom size=".1" pos="0 0 .5"/></body></body><body pos="3 0 0">
+      <joint name="door"/><geom size=".1"/></body></worldbody><actuator><position joint="cart" kp="9"/></actuator>
+      </mujoco>"""
+    body = load_body(written(tmp_path, text))
+    assert joints(body.model) == ["cart", "pole", "door"] and body.joints == ("cart",)
+
+
+def test_a_key_of_another_name_is_home_where_there_is_none(tmp_path: Path) -> None:
+    keys = '<keyframe><key name="{}" qpos="9 8 7 .3 -.4"/><key name="{}" qpos="1 1 1 .5 2"/></keyframe>'
+    for names, rest in ((("stand", "sit"), [0.3, -0.4]), (("sit", "home"), [0.5, 2])):
+        body = load_body(leg(tmp_path, more=keys.format(*names), knee="-1 3"))
+        np.testing.assert_allclose(body.joint_angles, [rest])
+        np.testing.assert_allclose(body.batch.ctrl, [rest])
+
+
+def test_a_zero_posture_out_of_range_is_cut_to_it(tmp_path: Path) -> None:
+    """At rest, and when torque motors get their servos, which hold it."""
+    for motors in (BOTH, BOTH.replace("position", "motor").replace(' kp="5"', "")):
+        body = load_body(leg(tmp_path, motors, hip="0.2 1", knee="-2 -0.5"), give_servos=True)
+        np.testing.assert_allclose(body.joint_angles, [[0.2, -0.5]])
+        np.testing.assert_allclose(body.batch.ctrl, [[0.2, -0.5]])
+        assert set(body.given) == (set() if "position" in motors else {"hip", "knee"})
+
+
+@pytest.mark.parametrize(
+    ("asked", "steps"), [("0.003", 7), ("0.02", 1), ("1", 1), ("0.005", 4), ("0.0199999", 2), ("2e-5", 1000)]
+)
+def test_a_tick_is_whole_steps_none_longer_than_asked_for(tmp_path: Path, asked: str, steps: int) -> None:
+    body = load_body(leg(tmp_path, step=asked))
+    assert body.substeps == steps and body.model.opt.timestep == pytest.approx(0.02 / steps)
+    assert body.model.opt.timestep <= float(asked) * (1 + 1e-6)
+    body.reset()
+    body.act(np.zeros((1, 2)))
+    assert body.time == pytest.approx(0.02)
+
+
+@pytest.mark.parametrize("step", ["1e-6", "1.99e-5", "0", "-1"])
+def test_a_timestep_that_would_never_end_is_refused(tmp_path: Path, step: str) -> None:
+    with pytest.raises(BodyError, match=r"its timestep of .* steps of every control tick .* 2e-05 s or more") as caught:
+        load_body(leg(tmp_path, step=step))
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 400
