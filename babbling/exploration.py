@@ -64,8 +64,8 @@ def smooth(
 def in_turn(
     motors: MotorRange, copies: int, tick_s: float, rng: np.random.Generator, slot_s: float, still_s: float
 ) -> Iterator[FloatArray]:
-    """One motor after the other, in an order of each copy's own: minimum-jerk moves of `slot_s`, either way, whose peak
-    speed is half the limit at most; before them nothing moves for `still_s`. What then changes is that motor's doing."""
+    """One motor after the other, in an order of each copy's own: minimum-jerk moves of `slot_s`, either way, at half
+    the greatest speed at most; before them nothing moves for `still_s`. What then changes is that motor's doing."""
     shape, rows = (copies, len(motors.low)), np.arange(copies)
     far = np.minimum(motors.speed / 2 * slot_s * 8 / 15, (motors.high - motors.low) / 2)  # there is room either way
     low, high, far = (np.broadcast_to(v, shape) for v in (motors.low, motors.high, far))

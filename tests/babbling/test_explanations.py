@@ -149,6 +149,17 @@ def test_the_habit_is_a_line_through_what_babbling_did() -> None:
     np.testing.assert_allclose(usual, np.einsum("nfx,fx->nf", columns[..., : len(BEFORE)], model.habit[0]), atol=1e-12)
 
 
+def test_what_strays_is_what_postures_and_paces_do_not_foretell() -> None:
+    model = learned(linear, 600)
+    columns = np.concatenate([columns for columns, _ in (lived(linear, 400, 0), lived(linear, 600, 1))])
+    chosen = [AT[name] for name in BEFORE if name != "before"]
+    for f in range(2):
+        x, a = columns[:, f, chosen], columns[:, f, AT["action"]]
+        left = a - x @ np.linalg.lstsq(x, a, rcond=None)[0]
+        assert model.strayed[f] == pytest.approx(left.std(), rel=0.01)
+    assert (model.strayed < model.habit[1]).all(), "pace alone foretells less"
+
+
 # ------------------------------------------------------------------ evidence
 
 

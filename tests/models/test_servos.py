@@ -9,21 +9,20 @@ import pytest
 from models.body import JAMMED
 from models.errors import BodyError
 from models.loading import load_body
-from models.servos import BANDWIDTH_HZ, DAMPING_RATIO, driven, gains, position, posed, reach, resting, servos
+from models.servos import BANDWIDTH_HZ, DAMPING_RATIO, driven, gains, posed, position, reach, resting, servos
 
 Model = mujoco.MjModel
-SHOULDER = "-1.2 1.5"
 
 
 def robot(actuators: str, more: str = "", timestep: float = 0.002) -> str:
     """A shoulder, a slide, and two fingers that one equality ties together."""
     return f"""<mujoco><compiler autolimits="true" angle="radian"/><option timestep="{timestep}" gravity="0 0 -9.81"
       integrator="implicitfast"/><worldbody><body name="arm" pos="0 0 1"><joint name="shoulder" axis="0 1 0"
-      range="{SHOULDER}" damping="0.2" armature="0.01"/><geom type="capsule" fromto="0 0 0 0 0 -.3" size=".02" mass=".4"/>
+      range="-1.2 1.5" damping=".2" armature=".01"/><geom type="capsule" fromto="0 0 0 0 0 -.3" size=".02" mass=".4"/>
       <body name="rail"><joint name="rail" type="slide" axis="0 0 -1" range="0 .3"/><geom size=".03" mass=".3"/>
       <body name="left"><joint name="left" axis="0 0 1" range="-.5 1"/><geom size=".02" pos=".1 0 0" mass=".1"/></body>
-      <body name="right"><joint name="right" axis="0 0 1" range="-.5 1"/><geom size=".02" pos=".1 0 0" mass=".1"/></body>
-      </body></body></worldbody>
+      <body name="right"><joint name="right" axis="0 0 1" range="-.5 1"/><geom size=".02" pos=".1 0 0" mass=".1"/>
+      </body></body></body></worldbody>
       <tendon><fixed name="grip"><joint joint="left" coef=".5"/><joint joint="right" coef="1.5"/></fixed></tendon>
       <equality><joint joint1="left" joint2="right"/></equality><actuator>{actuators}</actuator>{more}</mujoco>"""
 
@@ -264,7 +263,8 @@ def test_dynamics_of_its_own_are_refused_even_where_servos_are_given() -> None:
 
 # ------------------------------------------------------------------ a body of such motors
 
-HAND = '<position joint="shoulder" kp="60" kv="2"/><position joint="rail" kp="900" kv="40"/><position tendon="grip" kp="3" kv=".2"/>'
+HAND = """<position joint="shoulder" kp="60" kv="2"/><position joint="rail" kp="900" kv="40"/>
+<position tendon="grip" kp="3" kv=".2"/>"""
 
 
 @pytest.fixture
