@@ -62,7 +62,7 @@ class Explanations:
 
     def __post_init__(self) -> None:
         frame, factors = self.frame, len(self.table.factors)
-        self.features, self.sums, self.simple = frame.features, frame.nothing(), np.zeros(factors, bool)
+        self.features, self.sums, self.paced = frame.features, frame.nothing(), np.zeros(factors, bool)
         if not same_axes(self.table.axes, (frame.rate, frame.effort, frame.departure)) or (
             self.moments.shape != self.sums.sums.shape or self.evidence.shape != (factors, len(EXPLANATIONS))
         ):
@@ -130,8 +130,14 @@ class Explanations:
             return self
         evidence = self.evidence.copy()
         evidence[where, 1:] = -UNBELIEVED
-        found = replace(self, evidence=evidence)
-        found.simple = where
+        return replace(self, evidence=evidence).by_pace(where | self.paced)
+
+    def by_pace(self, where: BoolArray) -> "Explanations":
+        """The same, but that some factors (F,) do by habit what they did at that rate, wherever that was."""
+        if not where.any():
+            return self
+        found = replace(self)
+        found.paced = where
         return found
 
     def merge(self, other: "Explanations") -> None:
@@ -204,14 +210,13 @@ class Explanations:
     @cached_property
     def habit(self) -> tuple[FloatArray, FloatArray]:
         """(F, BEFORE) weights of the line through the actions c - q that babbling took, and (F,) how far off it is; by
-        pace alone where the line alone explains: that one stays about the middle of one's range is no habit to share.
-        """
+        pace alone where asked (`by_pace`): that one stays about the middle of one's range is no habit to share."""
         line, spread = np.zeros((2, len(self.factors), _BEFORE)), []
         for habit, inputs in zip(line, ([name for name in BEFORE[1:] if name != "before"], ["rate"]), strict=True):
             fit = self.sums.fit(["action"], inputs, RIDGE)
             habit[:, [0, *(COLUMNS.index(name) for name in inputs)]] = fit.coefficients[:, 0]
             spread.append(np.sqrt(fit.covariance[:, 0, 0]))
-        return np.where(self.simple[:, None], line[1], line[0]), np.where(self.simple, spread[1], spread[0])
+        return np.where(self.paced[:, None], line[1], line[0]), np.where(self.paced, spread[1], spread[0])
 
     @property
     def slope(self) -> FloatArray:

@@ -2,13 +2,13 @@
 
 import sys
 
-import mujoco
 import numpy as np
 
 from babbling.axes import FloatArray
 from experiments.shared.minds import body_of
 from experiments.shared.options import BodyOptions
 from models.body import SimulatedBody
+from models.card import closed
 from models.servos import BANDWIDTH_HZ, DAMPING_RATIO
 
 FRAMES, RAMP_S, HELD_S = 24, 1.0, 1.5
@@ -69,7 +69,6 @@ def _why(body: SimulatedBody, frame: int, joint: int) -> str:
     unit = "N m" if body.units[joint] == "rad" else "N"
     if abs(force) >= 0.98 * limit:
         return f"its torque limit of {limit:.3g} {unit} is reached"
-    kinds = model.eq_type[model.eq_active0.astype(bool)]
-    if np.isin(kinds, [int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)]).any():
+    if closed(model):
         return "its chain is closed, so that joints cannot go everywhere one by one; this demonstration is out of reach"
     return f"its servo of {kp:.3g} {unit}/{body.units[joint]} gives way under {min(abs(force), limit):.3g} {unit}"

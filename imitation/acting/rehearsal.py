@@ -22,11 +22,11 @@ EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Candidates, one per copy of the body, the calmest first."""
 CALM = 1.15
 """The calmest candidate within this factor of the best is kept: what is eager enough today may hunt tomorrow."""
-FIRM = 1.0
-"""Trust in habit where the line alone is asked, which is tried beside a mind's own temper: Eq. (1) with its whole prior
-over a line, the best that one can do with little experience."""
+OTHERWISE = ((1.0, 0.0), (1.0, 1.0))
+"""Trust in habit, and whether the line alone is asked, that are tried beside a mind's own temper: Eq. (1) with all of
+its prior, habits of pace, over all explanations and over the line, the best one can do with little experience."""
 CLOSER = 1.05
-"""That is kept where it feels closer by more than this factor."""
+"""They are kept where they feel closer by more than this factor."""
 REHEARSAL_S, MOVEMENTS = 10.0, 2
 REHEARSERS = MOVEMENTS * len(EAGERNESS)
 PACE = 0.5
@@ -73,7 +73,7 @@ def rehearse(body: Body, mind: Mind, seed: int) -> Mind:
         seed: randomness of the made-up movement.
     """
     temper, felt = mind.temper, np.full(len(mind.temper.trust), np.inf)
-    for trust, simple in ((temper.trust, temper.simple), (FIRM, 1.0)):
+    for trust, simple in ((temper.trust, temper.simple), *OTHERWISE):
         other = Temper(temper.eagerness, *np.broadcast_arrays(trust, simple, felt)[:2])
         errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other)), seed)
         chosen = calmest(errors)

@@ -125,7 +125,8 @@ class AveragedInverse:
     def of(cls, mind: Mind, selection: str = "map", candidates: int = CANDIDATES) -> "AveragedInverse":
         """As a mind's temper has it."""
         temper = mind.temper
-        return cls(mind.forward_model.by_line(temper.simple > 0), selection, trust=temper.trust, candidates=candidates)
+        model = mind.forward_model.by_pace(temper.trust >= 1).by_line(temper.simple > 0)
+        return cls(model, selection, trust=temper.trust, candidates=candidates)
 
     def habit(self, outlook: Outlook, actions: FloatArray) -> FloatArray:
         """h log P(a | s): a Gaussian about the line through what babbling did."""

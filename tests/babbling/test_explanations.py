@@ -131,8 +131,8 @@ def test_slope_is_what_more_command_brings_where_slack_is_taken_up() -> None:
     np.testing.assert_allclose(model.slope, 0.3, rtol=0.02)
 
 
-def test_the_habit_is_a_line_through_what_babbling_did() -> None:
-    model = learned(linear, 600)
+def test_a_habit_of_pace_is_a_line_through_what_babbling_did_at_each_rate() -> None:
+    model = learned(linear, 600).by_pace(np.array([True, True]))
     parts = [lived(linear, 400, 0), lived(linear, 600, 1)]
     columns = np.concatenate([columns for columns, _ in parts])
     chosen = [AT["one"], AT["rate"]]
@@ -147,6 +147,18 @@ def test_the_habit_is_a_line_through_what_babbling_did() -> None:
     q = columns[:, :, AT["posture"]]
     usual = model.at(q, columns[:, :, 1], Echo(q + columns[:, :, AT["before"]], q[..., None] + np.zeros(9))).usual
     np.testing.assert_allclose(usual, np.einsum("nfx,fx->nf", columns[..., : len(BEFORE)], model.habit[0]), atol=1e-12)
+
+
+def test_a_habit_is_a_line_through_what_postures_and_paces_foretell() -> None:
+    model = learned(linear, 600)
+    columns = np.concatenate([columns for columns, _ in (lived(linear, 400, 0), lived(linear, 600, 1))])
+    chosen = [AT[name] for name in BEFORE if name != "before"]
+    for f in range(2):
+        x, a = columns[:, f, chosen], columns[:, f, AT["action"]]
+        left = a - x @ np.linalg.lstsq(x, a, rcond=None)[0]
+        assert model.habit[1][f] == pytest.approx(left.std(), rel=0.01)
+        assert model.habit[0][f, AT["before"]] == 0, "a habit is of places and paces, not of what was just said"
+    assert (model.habit[1] < model.by_pace(np.array([True, True])).habit[1]).all(), "pace alone foretells less"
 
 
 # ------------------------------------------------------------------ evidence

@@ -12,14 +12,14 @@ from babbling.dynamics import LinearDynamics
 from babbling.features import COLUMNS, Echo
 from babbling.loop import experience
 from babbling.mind import Mind
-from babbling.pilot import begin
+from babbling.pilot import begin, pilot_minutes
 from babbling.regression import LinearGaussian
 from experiments.__main__ import main
 from experiments.benchmark import lives
 from experiments.benchmark.options import CURVE
 from experiments.benchmark.run import curves, ratio
 from experiments.shared import peers
-from experiments.shared.minds import learn_mind
+from experiments.shared.minds import COPIES, learn_mind
 from experiments.shared.options import BodyOptions
 from experiments.shared.peers import Peer, Steps
 from imitation.inference.moving import Here
@@ -214,8 +214,10 @@ def test_a_life_without_peers_is_the_mind_of_every_other_experiment(
     minds: list[Mind] = []
     monkeypatch.setattr(lives, "perform", lambda task, options, mind, lived, point: minds.append(mind))
     config = lives.Config(bodies=(str(arm),), seeds=1)
-    lives.live(lives.Task(config, str(arm), 1, {}, (), (0.5,)))
-    usual = learn_mind(BodyOptions(robot=str(arm), seed=1, threads=1), 0.5, lambda done: None).mind
+    babbling = 1.6  # enough for a pilot of as many bodies
+    lives.live(lives.Task(config, str(arm), 1, {}, (), (babbling,)))
+    total = babbling + pilot_minutes(COPIES)
+    usual = learn_mind(BodyOptions(robot=str(arm), seed=1, threads=1), total, lambda done: None).mind
     np.testing.assert_array_equal(minds[0].forward_model.moments, usual.forward_model.moments)
 
 

@@ -38,7 +38,7 @@ KEYS = {
     "uninformed_selections",
     "seed",
 }
-WITHOUT_MIRROR = ("--correspondence", "ik", "--babbling-minutes", "0.2")
+WITHOUT_MIRROR = ("--correspondence", "ik", "--babbling-minutes", "0.3")
 JOINTS = ("shoulder", "elbow", "wrist")
 ROOT = Path(__file__).resolve().parents[2]
 

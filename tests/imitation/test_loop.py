@@ -9,7 +9,7 @@ from babbling.errors import BabblingError
 from babbling.mind import learn
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement
-from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, made_up_movement, rehearse
+from imitation.acting.rehearsal import EAGERNESS, OTHERWISE, REHEARSERS, made_up_movement, rehearse
 from imitation.errors import ImitationError
 from models.loading import load_body
 from models.motion import read_motion
@@ -88,7 +88,9 @@ def test_noise_is_weighed_by_what_it_was_at_rest(arm, wave):
 def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind, monkeypatch):
     monkeypatch.setattr(made_up_movement, "__defaults__", (1.0,))
     mind = rehearse(load_body(arm, copies=REHEARSERS), arm_mind, seed=0)
-    assert set(mind.temper.eagerness) <= set(EAGERNESS) and (mind.temper.trust == arm_mind.temper.trust).all()
+    assert set(mind.temper.eagerness) <= set(EAGERNESS)
+    ways = {(0.1, 0.0), *OTHERWISE}
+    assert set(zip(mind.temper.trust.tolist(), mind.temper.simple.tolist(), strict=True)) <= ways
     assert mind.forward_model is arm_mind.forward_model
 
 

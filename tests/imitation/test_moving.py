@@ -7,6 +7,7 @@ from babbling.axes import Axis
 from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.features import Echo
 from babbling.forward_model import ForwardModel
+from experiments.shared.peers import inverse_line
 from imitation.errors import ImitationError
 from imitation.inference.inverse import Term
 from imitation.inference.moving import CANDIDATES, AveragedInverse, Decided, Here
@@ -226,3 +227,41 @@ def test_copies_and_factors_do_not_mix(known) -> None:
 def test_an_unknown_rule_is_refused(known) -> None:
     with pytest.raises(ImitationError, match="unknown selection 'men'"):
         AveragedInverse(known[linear], "men")
+
+
+# ------------------------------------------------------------------ the line alone
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_the_line_alone_with_its_whole_prior_is_the_inverse_line(rule) -> None:
+    """Gaussian Eq. (1) of a line w = b0 + b1 v + k a and of the habit a = h0 + h1 v is the regression of a on v and w,
+    for errors as they are in hindsight; what was foretold missed by hardly more."""
+    model, (here, wanted) = learned(rule, 3000, seed=10), places(rule)
+    line = model.by_line(np.array([True, True]))
+    assert (line.weights == np.eye(1, len(EXPLANATIONS))).all()
+    answer = inverse_line(model).choose(here, wanted, (), RNG).action
+    mine = AveragedInverse(line, "mean", trust=1.0).choose(here, wanted, (), RNG).action
+    assert np.abs(mine - answer).max() < 0.15 * model.habit[1].min()
+    hindsight = np.zeros((2, len(EXPLANATIONS))) + np.sqrt(model.fit("line").covariance[:, :1, 0])
+    line.__dict__["errors"] = hindsight  # as if foretelling had missed by what the fit leaves
+    line.__dict__.pop("spread", None)
+    exact = AveragedInverse(line, "mean", trust=1.0).choose(here, wanted, (), RNG).action
+    assert np.abs(exact - answer).max() < 5e-3 * model.habit[1].min()
+    other = AveragedInverse(line, "mean", trust=0.0).choose(here, wanted, (), RNG).action
+    assert np.abs(other - answer).max() > 10 * np.abs(exact - answer).max()
+
+
+def test_some_factors_ask_the_line_alone_and_the_others_everything(known) -> None:
+    model, (here, wanted) = known[slack], places(slack)
+    before = model.evidence.copy()
+    assert model.by_line(np.array([False, False])) is model
+    some = model.by_line(np.array([False, True]))
+    np.testing.assert_array_equal(some.weights, [model.weights[0], np.eye(len(EXPLANATIONS))[0]])
+    everything, line, both = (
+        AveragedInverse(one, "mean").choose(here, wanted, (), RNG).action
+        for one in (model, model.by_line(np.array([True, True])), some)
+    )
+    np.testing.assert_allclose(both, np.stack([everything[:, 0], line[:, 1]], 1), atol=1e-12)
+    assert np.abs(everything - line).max(0).min() > 1e-3
+    np.testing.assert_array_equal(model.evidence, before)  # nothing is forgotten
+    assert some.moments is model.moments

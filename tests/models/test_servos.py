@@ -234,7 +234,7 @@ REFUSED = {
     '<position name="m" joint="shoulder" gear="0"/>': "gear 0 and moves nothing",
     '<position joint="shoulder"/><position name="m" joint="shoulder"/>': "another one moves it too",
     '<position tendon="grip"/><position name="m" joint="left"/>': "another one moves it too",
-    '<position joint="rail"/><position name="m" tendon="rail"/>': "two motors move what is named 'rail'",
+    '<position joint="rail"/><position name="m" tendon="rail"/>': "two motors that move what is named 'rail'",
 }
 
 
