@@ -154,8 +154,8 @@ def servos(model: mujoco.MjModel, name: str, *, give: bool = False) -> dict[str,
             given[moved.name] = found
         if moved.name in motors:
             raise BodyError(
-                f"{name}: actuator {model.actuator(i).name or f'number {i}'!r} is one of two motors that move what is named "
-                f"{moved.name!r}, a joint or a tendon; rename one of them"
+                f"{name}: actuator {model.actuator(i).name or f'number {i}'!r} is one of two motors that move what is "
+                f"named {moved.name!r}, a joint or a tendon; rename one of them"
             )
         motors[moved.name] = moved
     if given:  # explicit steps would have to be far shorter where a light joint sits on a heavy one

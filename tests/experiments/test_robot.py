@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
-from experiments.robot.run import CHAINS, INSET, SECONDS, SPEED_SHARE, SWINGS, WIDEST, template, write
+from experiments.robot.run import INSET, SECONDS, SPEED_SHARE, SWINGS, WIDEST, template, write
 from experiments.shared.baselines import direct_replay
 from experiments.shared.watching import fastest, watch
+from models.card import CHAINS
 from models.errors import BodyError
 from models.loading import load_body
 from models.robots import ROBOTS

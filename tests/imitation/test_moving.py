@@ -241,12 +241,12 @@ def test_the_line_alone_with_its_whole_prior_is_the_inverse_line(rule) -> None:
     assert (line.weights == np.eye(1, len(EXPLANATIONS))).all()
     answer = inverse_line(model).choose(here, wanted, (), RNG).action
     mine = AveragedInverse(line, "mean", trust=1.0).choose(here, wanted, (), RNG).action
-    assert np.abs(mine - answer).max() < 0.15 * model.habit[1].min()
+    assert np.abs(mine - answer).max() < 0.15 * line.habit[1].min()
     hindsight = np.zeros((2, len(EXPLANATIONS))) + np.sqrt(model.fit("line").covariance[:, :1, 0])
     line.__dict__["errors"] = hindsight  # as if foretelling had missed by what the fit leaves
     line.__dict__.pop("spread", None)
     exact = AveragedInverse(line, "mean", trust=1.0).choose(here, wanted, (), RNG).action
-    assert np.abs(exact - answer).max() < 5e-3 * model.habit[1].min()
+    assert np.abs(exact - answer).max() < 5e-3 * line.habit[1].min()
     other = AveragedInverse(line, "mean", trust=0.0).choose(here, wanted, (), RNG).action
     assert np.abs(other - answer).max() > 10 * np.abs(exact - answer).max()
 

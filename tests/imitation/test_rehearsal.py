@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from babbling.explanations import UNBELIEVED
 from babbling.mind import Mind, Temper
 from imitation.acting import rehearsal
 from imitation.acting.rehearsal import CALM, CLOSER, EAGERNESS, OTHERWISE, calmest, rehearse
@@ -19,8 +20,8 @@ def felt(monkeypatch: pytest.MonkeyPatch, best: dict[tuple[float, float], list[f
     tried = []
 
     def errors(body: object, mind: Mind, inverse: AveragedInverse, seed: int) -> np.ndarray:
-        alone = inverse.forward_model is not mind.forward_model
-        assert (inverse.forward_model.weights[:, 0] == 1).all() or not alone
+        alone = bool((inverse.forward_model.evidence[:, 1:] == -UNBELIEVED).all())
+        assert (inverse.forward_model.paced == (inverse.trust >= 1)).all(), "all of habit is habit of pace"
         way = float(inverse.trust[0]), float(alone)
         assert (inverse.trust == way[0]).all()
         tried.append(way)
