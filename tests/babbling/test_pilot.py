@@ -44,6 +44,45 @@ def test_a_dead_motor_of_one_body_is_named() -> None:
             pilot(Plant(seed, copies=1, dead=dead), 0)
 
 
+class Cut(Plant):
+    """Its drives accept a third of the commands; the others are cut, where its senses end."""
+
+    def __init__(self, seed: int, copies: int) -> None:
+        super().__init__(seed, copies=copies)
+        middle, reach = np.append(self.offset, np.zeros(5)), np.append(np.abs(self.gain), np.full(5, 5.0))
+        self.sense_low, self.sense_high = (middle - reach)[self.lines], (middle + reach)[self.lines]
+
+    def act(self, motors: FloatArray) -> FloatArray:
+        return super().act(np.clip(3 * motors, -1, 1))
+
+
+class Trembling(Plant):
+    """Its senses do."""
+
+    def feel(self) -> FloatArray:
+        self.rng = getattr(self, "rng", None) or np.random.default_rng(0)
+        sigma = np.repeat([0.01, np.sqrt(2) * 0.01 / TICK], len(self.drives))[self.lines]
+        return super().feel() + sigma * self.rng.standard_normal(len(sigma))
+
+
+@pytest.mark.parametrize("copies", [1, 8])
+def test_servos_whose_drives_cut_most_commands_are_servos(copies: int) -> None:
+    """What the least and the greatest command ask for is where they stand; only between them is it asked who holds."""
+    for seed in range(3):
+        plant = Cut(seed, copies=copies)
+        schema, servo = pilot(plant, seed).schema, np.argsort(plant.drives)
+        np.testing.assert_array_equal(schema.posture, plant.sense_of(servo))
+        np.testing.assert_allclose(schema.slope, 3 * plant.gain[servo], rtol=0.02)
+
+
+def test_servos_whose_senses_tremble_more_than_they_move_in_turn_are_servos() -> None:
+    """A motor of twenty moves by a fiftieth of its range or two; what is noise at rest is noise then too."""
+    for seed in range(2):
+        plant = Trembling(seed, motors=20, copies=1)
+        schema, servo = pilot(plant, seed).schema, np.argsort(plant.drives)
+        np.testing.assert_array_equal(schema.posture, plant.sense_of(servo))
+
+
 class Watched(Plant):
     """It keeps what it was told."""
 

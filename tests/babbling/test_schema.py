@@ -229,15 +229,18 @@ def test_a_posture_mistaken_for_a_rate_is_put_right(mistaken: tuple[int, ...]) -
     np.testing.assert_allclose(found.slope, 0.8, rtol=1e-6)
 
 
-def test_a_posture_that_is_taken_is_no_other_motors() -> None:
+def test_a_posture_that_is_taken_is_no_other_motors(monkeypatch: pytest.MonkeyPatch) -> None:
     """Motor 1 moves a rate of motor 0's posture and nothing else: it gets no posture that is motor 0's."""
     motors, senses = waves()
 
     def told(m: FloatArray, s: FloatArray) -> tuple[FloatArray, float]:
         return np.array([[3.0, 0, 1, 0], [0, 0, 2, 0]]), 0.1
 
+    wide = np.full(4, 9.0)
     with pytest.raises(BabblingError, match="motor 1 asks for no posture"):
-        find_schema(motors, senses, senses[:1], np.full(4, -2.0), np.full(4, 2.0), TICK, told)
+        find_schema(motors, senses, senses[:1], -wide, wide, TICK, told)
+    monkeypatch.setattr(babbling.schema, "HELD", -np.inf)
+    assert find_schema(motors, senses, senses[:1], -wide, wide, TICK, told).posture.tolist() == [0, 2]
 
 
 def test_what_is_pushed_about_asks_for_no_posture() -> None:
