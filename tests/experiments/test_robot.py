@@ -173,3 +173,10 @@ def test_who_shakes_itself_apart_is_refused(arm: Path, tmp_path: Path, capsys: p
     told = capsys.readouterr()
     assert "kp 1000000000" in told.out and "unstable at joint 'elbow'" in told.err
     assert not (tmp_path / "wave.csv").exists()
+
+
+def test_a_slow_robot_gets_a_slow_template(arm: Path, tmp_path: Path) -> None:
+    slow = '<custom><numeric name="speed_limit" data="0.1"/></custom></mujoco>'
+    body = load_body(spoiled(arm, tmp_path, end=slow), threads=1)
+    share = np.abs(np.diff(template(body), axis=0)).max(0) / fastest(body)
+    np.testing.assert_allclose(share, SPEED_SHARE, rtol=0.01)
