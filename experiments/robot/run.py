@@ -14,12 +14,14 @@ from experiments.robot.options import Config
 from experiments.shared.baselines import direct_replay
 from experiments.shared.tables import show, table
 from models.body import SimulatedBody
-from models.cards import closed, model_rows, motor_rows, number, span
+from models.card import as_written, closed, model_rows, motor_rows, number, span
 from models.loading import TICK_S, compiled, load_body
 from models.robots import Robot, find
 
 SECONDS, SWINGS, WIDEST, SPEED_SHARE = 8.0, 3, 0.6, 0.5
 """Of the template: s; joints swing once, twice, three times, once ...; most rad; share of the speed sense's range."""
+INSET = 0.03
+"""Share of a joint's range that the template leaves free at either end."""
 
 
 def command(config: Config) -> None:
@@ -32,10 +34,10 @@ def command(config: Config) -> None:
     config.check()
     robot = find(config.robot) or Robot(Path(config.robot), config.robot)
     model = compiled(robot)
-    motors = list(motor_rows(model, config.robot, give=config.servos))
+    raw, motors = as_written(robot), list(motor_rows(model, config.robot, give=config.servos))
     show(f"**{config.robot}**" + (f": {robot.about}" if robot.about != config.robot else ""))
     show(table(motors, ("#", "joint", "range", "what moves it")))
-    show(table(model_rows(robot, model), ("model", "")))
+    show(table(model_rows(robot, raw, model), ("model", "")))
     body = load_body(config.robot, give_servos=config.servos, threads=1)
     show(table(sense_rows(body), ("sense", "lines", "range")))
     wanted = template(body)
@@ -72,7 +74,8 @@ def template(body: SimulatedBody) -> FloatArray:
     low, high = body.joint_range.T
     asked = body.commands(np.array([np.full(len(body.joints), -1.0), np.full(len(body.joints), 1.0)]))
     low, high = np.maximum(low, asked.min(0)), np.minimum(high, asked.max(0))
-    rest = np.clip(body.joint_angles[0], low, high)
+    inset = INSET * (high - low)  # who rests at a joint's end is pushed back by it
+    rest = np.clip(body.joint_angles[0], low + inset, high - inset)
     side = np.where(high - rest >= rest - low, high - rest, low - rest)
     swings = 1 + np.arange(len(rest)) % SWINGS
     fast = SPEED_SHARE * body.senses.read(body.sense_high, "speed") * SECONDS / (np.pi * swings)

@@ -1,7 +1,7 @@
-"""A robot's card: what its MJCF says of its motors, and of all else that matters to who babbles."""
+"""What stands on a robot's card: its motors, and all else that its MJCF says of it, as rows of text."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 
 import mujoco
@@ -15,23 +15,28 @@ from models.servos import driven, reach, servo
 from models.units import SHOWN
 
 FEW = 6
-"""Names that are told of many."""
+"""Names that are said."""
 _EQ = mujoco.mjtEq
-_CHAINS = (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD))
+CHAINS = (int(_EQ.mjEQ_CONNECT), int(_EQ.mjEQ_WELD))
 
 
 def closed(model: mujoco.MjModel) -> bool:
-    """Whether some chain of it is closed, or held."""
-    return bool(np.isin(model.eq_type, _CHAINS).any())
+    """Whether a chain of it is closed, so that joints cannot go everywhere one by one."""
+    return bool(np.isin(model.eq_type[model.eq_active0.astype(bool)], CHAINS).any())
 
 
-def motor_rows(model: mujoco.MjModel, name: str, *, give: bool) -> Iterator[tuple[object, ...]]:
+def as_written(robot: Robot) -> mujoco.MjModel:
+    """The model as it stands in its file, neither hung nor equipped."""
+    return mujoco.MjSpec.from_file(str(robot.path)).compile()
+
+
+def motor_rows(model: mujoco.MjModel, name: str, *, give: bool = False) -> Iterator[tuple[object, ...]]:
     """Every actuator: its joint or tendon, range in what people read, and its servo or what is wrong with it. The model
     is rewritten as `models.servos` does."""
     taken = set[int]()
     for i in range(model.nu):
-        actuator = model.actuator(i).name or f"number {i}"
-        joint, ends = actuator, "-"
+        label = model.actuator(i).name or f"number {i}"
+        joint, ends = label, "-"
         try:
             try:
                 given = servo(model, i, name, taken, give=give)[1] is not None
@@ -46,7 +51,7 @@ def motor_rows(model: mujoco.MjModel, name: str, *, give: bool) -> Iterator[tupl
                         f"{share:g} ".removeprefix("1 ") + model.joint(one).name for share, one in parts
                     )
         except BodyError as error:
-            wrong = str(error).removeprefix(f"{name}: actuator {actuator!r} ").split(";")[0]
+            wrong = str(error).removeprefix(f"{name}: actuator {label!r} ").split(";")[0]
             yield i + 1, joint, ends, f"REFUSED: {wrong}"
             continue
         per, (kp, kv) = moved.unit, np.abs(model.actuator_biasprm[i, 1:3])
@@ -59,9 +64,8 @@ def motor_rows(model: mujoco.MjModel, name: str, *, give: bool) -> Iterator[tupl
         yield i + 1, joint, ends, says + (", given by --servos" if given else "")
 
 
-def model_rows(robot: Robot, model: mujoco.MjModel) -> Iterator[tuple[str, str]]:
-    """What the MJCF says besides: `model` is its compiled one."""
-    raw = mujoco.MjSpec.from_file(str(robot.path)).compile()
+def model_rows(robot: Robot, raw: mujoco.MjModel, model: mujoco.MjModel) -> Iterator[tuple[str, str]]:
+    """What the MJCF says besides: `raw` as it stands there, `model` where it babbles."""
     keys = [raw.key(i).name or f"number {i}" for i in range(raw.nkey)]
     rests = "'home'" if "home" in keys else f"the first, {keys[0]!r}" if keys else "zero, within the ranges"
     yield "keyframes", f"{', '.join(keys[:FEW]) or 'none'}; it rests at {rests}"
@@ -74,7 +78,7 @@ def model_rows(robot: Robot, model: mujoco.MjModel) -> Iterator[tuple[str, str]]
     yield "joints without a motor", f"{len(names)}" + (f": {_some(names)}" if names else "")
     kinds = Counter(_EQ(kind).name.removeprefix("mjEQ_").lower() for kind in model.eq_type)
     tied = ", ".join(f"{count} {kind}" for kind, count in kinds.items()) or "none"
-    if closed(model):
+    if np.isin(model.eq_type, CHAINS).any():
         tied += ": closed chains or what is held; joints cannot go everywhere one by one"
     yield "equality constraints", tied
     parts = [model.body(i) for i in range(1, model.nbody) if model.body(i).name != "stand"]
@@ -93,15 +97,15 @@ def _pulled(model: mujoco.MjModel) -> Iterator[tuple[int, ...]]:
             yield driven(model, i, "").joints
 
 
-def _some(names: Sequence[str]) -> str:
+def _some(names: tuple[str, ...] | list[str]) -> str:
     return ", ".join(names[:FEW]) + (" ..." if len(names) > FEW else "")
 
 
 def number(value: float) -> str:
-    """To three digits, for people."""
+    """Three digits."""
     return f"{value:.3g}" if abs(value) < 100 else f"{value:.0f}"
 
 
-def span(ends: Sequence[float] | FloatArray, unit: str) -> str:
-    """Least and greatest."""
+def span(ends: FloatArray, unit: str) -> str:
+    """From where to where."""
     return f"{number(ends[0])} .. {number(ends[1])} {unit}"
