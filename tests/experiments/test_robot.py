@@ -10,7 +10,7 @@ from experiments.__main__ import main
 from experiments.robot.run import INSET, SECONDS, SPEED_SHARE, SWINGS, WIDEST, template, write
 from experiments.shared.baselines import direct_replay
 from experiments.shared.watching import fastest, watch
-from models.card import CHAINS
+from models.card import closed
 from models.errors import BodyError
 from models.loading import load_body
 from models.robots import ROBOTS
@@ -127,7 +127,7 @@ def test_the_card_says_what_hangs_what_is_loose_and_what_is_closed(
 def test_where_a_chain_is_closed_the_template_is_what_it_lets_become(arm: Path, tmp_path: Path) -> None:
     tied = '<equality><connect body1="upper" body2="hand" anchor="0 0 -0.6"/></equality></mujoco>'
     body = load_body(spoiled(arm, tmp_path, end=tied), threads=1)
-    assert np.isin(body.model.eq_type, CHAINS).any()
+    assert closed(body.model)
     wanted, open_ = template(body), template(load_body(arm, threads=1))
     low, high = body.joint_range.T
     assert ((wanted >= low) & (wanted <= high)).all()
@@ -174,3 +174,10 @@ def test_who_shakes_itself_apart_is_refused(arm: Path, tmp_path: Path, capsys: p
     told = capsys.readouterr()
     assert "kp 1000000000" in told.out and "unstable at joint 'elbow'" in told.err
     assert not (tmp_path / "wave.csv").exists()
+
+
+def test_a_slow_robot_gets_a_slow_template(arm: Path, tmp_path: Path) -> None:
+    slow = '<custom><numeric name="speed_limit" data="0.1"/></custom></mujoco>'
+    body = load_body(spoiled(arm, tmp_path, end=slow), threads=1)
+    share = np.abs(np.diff(template(body), axis=0)).max(0) / fastest(body)
+    np.testing.assert_allclose(share, SPEED_SHARE, rtol=0.01)

@@ -10,7 +10,7 @@ import pytest
 from experiments.benchmark import strangers
 from experiments.benchmark.strangers import STRANGERS, Config, Life, keep, live, placed, told, unpack, unpacked_as
 from experiments.errors import ExperimentError
-from experiments.robot import run as robot
+from experiments.gesture.options import Config as Gesture
 
 
 def wheel(path: Path, *names: str, mode: int = 0) -> Path:
@@ -61,12 +61,20 @@ def test_links_crowds_and_no_zips_are_refused(tmp_path: Path, monkeypatch: pytes
 
 
 def test_a_life_is_what_gesture_computes_and_a_refusal_is_told(
-    arm: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(robot, "SECONDS", 1.0)
-    one = live(Life("arm", 0.5, 0, arm, tmp_path / "wave.csv"))
-    assert one["joints"] == 3 and one["slowed"] == 1
-    assert set(one["rmse"]) == {"deg"} and all(0 < value < 30 for value in one["rmse"]["deg"].values())
+    asked: list[Gesture] = []
+    metrics = {f"{name}_deg": number for number, name in enumerate(strangers.NUMBERS.values(), start=4)}
+    metrics |= {"attempts_rmse_deg": [3.0, 2.0, 1.0], "attempts_rmse_mm": None, "slowed_factor": 1.0}
+    monkeypatch.setattr(strangers, "perform", asked.append)
+    monkeypatch.setattr(strangers, "measure", lambda done: metrics)
+    wave = tmp_path / "wave.csv"
+    one = live(Life("arm", 0.5, 7, arm, wave))
+    [config] = asked
+    config.check()
+    assert (config.robot, config.demonstration, config.servos) == (str(arm), str(wave), True)
+    assert (config.babbling_minutes, config.attempts, config.seed) == (0.5, 3, 7)
+    assert one["joints"] == 3 and one["rmse"] == {"deg": {"first": 3, "third": 1, "line": 4, "replay": 5}}
     broken = tmp_path / "broken.xml"
     broken.write_text("<mujoco/>")
     other = live(Life("broken", 0.5, 0, broken, tmp_path / "other.csv"))
