@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 import experiments
-import models.loading
 from babbling.loop import babble  # noqa: F401
 from babbling.mind import learn
 from babbling.states import Wanderer  # noqa: F401
@@ -27,6 +26,7 @@ from imitation.inference.moving import AveragedInverse  # noqa: F401
 from models.loading import load_body
 from models.robots import Robot
 from models.shapes import parts
+from tests.conftest import hurry
 from tests.imitation.test_follow import ACTS, SUCCESSOR, Bench, Things
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -88,7 +88,7 @@ def test_every_command_can_be_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyP
         commands = [command.splitlines() for command in told.stdout.split("--END--\n") if command]
         assert commands, line
         for name, *words in commands:
-            if name == "list":
+            if name in ("list", "--version"):
                 continue
             for file in (Path(word) for word in words):
                 if file.suffix in (".amc", ".bvh"):
@@ -97,16 +97,14 @@ def test_every_command_can_be_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyP
             assert config is not None, line
             config.check()
             if config.out is not None:
+                Path(config.out).parent.mkdir(parents=True, exist_ok=True)
                 Path(config.out).write_text("left")
 
 
-def test_the_five_lines_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    def one_limb(name: str, **how: Any) -> Any:
-        return load_body(name, **{**how, "copies": min(how.get("copies", 1), 4)})
-
-    monkeypatch.setattr(models.loading, "load_body", one_limb)
-    [code] = blocks("README.md", "python")
-    hasty, changed = re.subn(r"minutes=\d+", "minutes=0.2", code)
+def test_the_five_lines_run_and_take_any_prior(monkeypatch: pytest.MonkeyPatch) -> None:
+    hurry(monkeypatch.setattr)
+    five, prior = blocks("README.md", "python")
+    hasty, changed = re.subn(r"babbling_minutes=\d+", "babbling_minutes=0.6", five)
     assert changed == 1
     here: dict[str, Any] = {}
     exec(compile(hasty, "README.md", "exec"), here)
@@ -114,6 +112,9 @@ def test_the_five_lines_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert felt.shape == (len(seen), 1, seen.shape[1])
     there = np.isfinite(seen)
     assert np.sqrt(np.mean((felt[:, 0] - seen)[there] ** 2)) < np.deg2rad(1)
+    exec(compile(prior, "README.md", "exec"), here)
+    wanted, done = here["seen"].angles, here["attempt"].senses[:, 0, here["mind"].pilot.schema.posture]
+    assert done.shape == wanted.shape and (np.abs(here["attempt"].candidates) <= 0.2 + 1e-9).any()
 
 
 def test_the_robot_has_meshes_and_an_entry(toy: Path) -> None:

@@ -1,10 +1,7 @@
 """`imitate gesture` as a user runs it: every number in metrics.json can be had again from the recording."""
 
 import json
-import re
 import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -231,20 +228,3 @@ def test_a_result_is_replaced_whole_and_other_things_never(
     assert main(common) == 2
     assert "this folder holds other things than a result ('thesis.txt')" in capsys.readouterr().err
     assert (out / "thesis.txt").read_text() == "years of work"
-
-
-def snippets() -> list[str]:
-    readme = ROOT / "README.md"
-    blocks = re.findall(r"```python\n(.*?)```", readme.read_text(), re.DOTALL) if readme.exists() else []
-    return [block for block in blocks if "# five lines" in block]
-
-
-def test_the_readmes_five_lines_run(tmp_path: Path) -> None:
-    if not snippets():
-        pytest.skip("README.md has no python block marked '# five lines'")
-    for block in snippets():
-        shorter = re.sub(r"\bminutes=\d+", "minutes=1", re.sub(r"\bcopies=\d+", "copies=4", block))
-        ran = subprocess.run(
-            [sys.executable, "-c", shorter], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
-        )
-        assert ran.returncode == 0, ran.stderr
