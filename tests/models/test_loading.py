@@ -208,3 +208,20 @@ def test_a_timestep_that_would_never_end_is_refused(tmp_path: Path, step: str) -
     with pytest.raises(BodyError, match=r"its timestep of .* steps of every control tick .* 2e-05 s or more") as caught:
         load_body(leg(tmp_path, step=step))
     assert "\n" not in str(caught.value) and len(str(caught.value)) < 400
+
+
+def test_meshes_are_looked_at_before_they_are_read(tmp_path: Path) -> None:
+    text = """<mujoco><asset><mesh name="m" file="m.stl"/></asset><worldbody><body><joint name="j" range="-1 1"
+      limited="true"/><geom type="mesh" mesh="m"/></body></worldbody><actuator><position joint="j" kp="1"/></actuator>
+      </mujoco>"""
+    path, mesh = written(tmp_path, text), tmp_path / "m.stl"
+    with pytest.raises(BodyError, match="MuJoCo cannot compile it"):
+        load_body(path)
+    os.mkfifo(mesh)
+    with pytest.raises(BodyError, match="this is no regular file"):
+        load_body(path)
+    mesh.unlink()
+    with open(mesh, "wb") as f:
+        os.truncate(f.fileno(), 300 << 20)
+    with pytest.raises(BodyError, match="has 300 MB where at most 128 MB are read"):
+        load_body(path)
