@@ -124,11 +124,9 @@ def test_help_names_every_option_both_ways(
 ) -> None:
     one = entry(name)
     options = [f"--{field.name.replace('_', '-')}" for field in fields(one.options())]
-    assert main([name, "--help"]) == 0
-    shown = capsys.readouterr().out
-    assert [
-        o for o in options if o not in shown and f"{o[2:].removesuffix('s').upper()} " not in shown
-    ] == []  # by place
+    assert main([name, "--help"]) == 0 and (shown := capsys.readouterr().out)
+    places = [option[2:].removesuffix("s").upper() + " " for option in options]
+    assert [o for o, place in zip(options, places, strict=True) if o not in shown and place not in shown] == []
     assert one.line.split()[0] in shown
     monkeypatch.setattr(sys, "argv", [name, "--help"])  # python -m experiments.NAME
     with pytest.raises(SystemExit) as stop:

@@ -21,7 +21,7 @@ def test_it_runs_from_top_to_bottom_and_shows_the_recording() -> None:
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert not any(cell.outputs or cell.execution_count for cell in code)  # committed as it was written
     code[0].source, changed = re.subn(
-        r"babbling_minutes=\d+", 'babbling_minutes=0.2, correspondence="ik"', code[0].source
+        r"babbling_minutes=\d+", 'babbling_minutes=0.6, correspondence="ik"', code[0].source
     )
     assert changed == 1
     notebook.cells.insert(0, nbformat.v4.new_code_cell(HASTE))

@@ -127,7 +127,7 @@ def attempt(count: int, factors: int) -> dict[str, np.ndarray]:
 def test_what_slides_is_in_millimetres_what_ended_or_was_not_found_is_no_number(arm: Path) -> None:
     body = load_body(arm)
     assert peoples(body) == (("degree",) * 3, pytest.approx(np.full(3, 180 / np.pi)))
-    object.__setattr__(body.senses["angle"], "unit", np.array(["rad", "rad", "m"]))
+    body.units = ("rad", "rad", "m")
     angles = np.ones((6, 3))
     found = trajectories(body, np.array([1, -1, 2]), {"demonstrated": (angles, "told")}, [(angles, attempt(4, 3))])
     assert found.unit.values.tolist() == ["degree", "degree", "mm"]
