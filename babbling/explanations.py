@@ -35,7 +35,7 @@ BLOCK = 512
 SURPRISE = 36.0
 """Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
 UNBELIEVED = 1e15
-"""Nats."""
+"""Nats of evidence against an explanation that is not to be asked."""
 NOTICED = 1e-3
 """An explanation that is less probable is not asked."""
 _BEFORE, _OWN = len(BEFORE), len(COLUMNS)
@@ -211,12 +211,15 @@ class Explanations:
     def habit(self) -> tuple[FloatArray, FloatArray]:
         """(F, BEFORE) weights of the line through the actions c - q that babbling took, and (F,) how far off it is; by
         pace alone where asked (`by_pace`): that one stays about the middle of one's range is no habit to share."""
-        line, spread = np.zeros((2, len(self.factors), _BEFORE)), []
-        for habit, inputs in zip(line, ([name for name in BEFORE[1:] if name != "before"], ["rate"]), strict=True):
-            fit = self.sums.fit(["action"], inputs, RIDGE)
-            habit[:, [0, *(COLUMNS.index(name) for name in inputs)]] = fit.coefficients[:, 0]
-            spread.append(np.sqrt(fit.covariance[:, 0, 0]))
-        return np.where(self.paced[:, None], line[1], line[0]), np.where(self.paced, spread[1], spread[0])
+        line, spread = np.zeros((len(self.factors), _BEFORE)), np.zeros(len(self.factors))
+        told = [name for name in BEFORE[1:] if name != "before"]
+        for inputs, where in ((told, ~self.paced), (["rate"], self.paced)):
+            if where.any():
+                fit = self.sums.fit(["action"], inputs, RIDGE)
+                columns = np.array([0, *(COLUMNS.index(name) for name in inputs)])
+                line[np.ix_(where, columns)] = fit.coefficients[where, 0]
+                spread[where] = np.sqrt(fit.covariance[where, 0, 0])
+        return line, spread
 
     @property
     def slope(self) -> FloatArray:

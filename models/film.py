@@ -14,7 +14,7 @@ import numpy as np
 from models.arrays import BoolArray, FloatArray, IntArray
 from models.retina import Image
 from models.retina_rays import SUBPIXEL, VISIBLE_GROUPS, rayed
-from models.shapes import KINDS
+from models.shapes import KINDS, colours
 
 THIN = 0.004
 """Share of the distance by which a ghost must be nearer than the body to be seen before it."""
@@ -27,8 +27,6 @@ AMBIENT, SEEN = 0.35, 0.45
 """Light without the sun; how much is seen of a ghost."""
 NEAREST = 0.01
 """m that a camera is away from what is seen."""
-UNPAINTED = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
-"""Colour of a geom for which MuJoCo takes its material's."""
 NEARLY_ALL = 1.08
 """Of the size that is seen, so that nothing touches the picture's frame."""
 
@@ -82,9 +80,7 @@ class Filmed:
 
     def __init__(self, model: mujoco.MjModel, ground: tuple[int, int, int], ghost: tuple[int, int, int]) -> None:
         self._data, self._rayed = mujoco.MjData(model), rayed(model)
-        own = model.geom_rgba.copy()
-        painted = (model.geom_matid >= 0) & (own == UNPAINTED).all(1)
-        own[painted] = model.mat_rgba[model.geom_matid[painted]]
+        own = colours(model)
         shown = np.isin(model.geom_type, list(KINDS)) & (VISIBLE_GROUPS[np.clip(model.geom_group, 0, 5)] == 1)
         shown &= own[:, 3] > 0
         self._rayed.geom_rgba[:] = np.where(shown[:, None], own, 0.0)

@@ -81,7 +81,7 @@ def parts(
     for name, place in hung.items():
         positions[:, model.body(name).id] = place
     geoms = range(model.ngeom)
-    rgba = np.array([_rgba(model, geom) for geom in geoms]).reshape(-1, 4)
+    rgba = colours(model)
     shown = seen(model, rgba[:, 3] > 0)
     for geom, body in enumerate(model.geom_bodyid):
         placed = model.body_mocapid[body] < 0 or model.body(body).name in hung
@@ -162,11 +162,12 @@ def _reach(shape: Shape, turns: FloatArray) -> FloatArray:
     return np.asarray(width + (0 if shape.kind == "sphere" else size[1]) * along)
 
 
-def _rgba(model: mujoco.MjModel, geom: int) -> FloatArray:
-    """(4,) its own colour, or its material's."""
-    material = int(model.geom_matid[geom])
-    plain = material >= 0 and tuple(model.geom_rgba[geom]) == PLAIN
-    return np.asarray(model.mat_rgba[material] if plain else model.geom_rgba[geom], float)
+def colours(model: mujoco.MjModel) -> FloatArray:
+    """(ngeom, 4) every geom's own colour, or its material's."""
+    found: FloatArray = model.geom_rgba.astype(float)
+    plain = (model.geom_matid >= 0) & (found == PLAIN).all(1)
+    found[plain] = model.mat_rgba[model.geom_matid[plain]]
+    return found
 
 
 def _shape(model: mujoco.MjModel, geom: int, colour: FloatArray, mesh: Mesh | None, paint: FloatArray) -> Shape:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.explanations import UNBELIEVED
 from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
@@ -83,7 +84,7 @@ def inverse_models(mind: Mind, lived: Sequence[Steps], models: Sequence[str]) ->
     model, seen = mind.forward_model, Steps(*map(np.concatenate, zip(*lived, strict=True)))
     line, forward = peers.forward_line(model), peers.feature_line_forward(seen, 0.1)
     evidence = model.evidence.copy()
-    evidence[:, -1] = -1e15
+    evidence[:, -1] = -UNBELIEVED
     averaged, counted = partial(AveragedInverse, trust=mind.temper.trust), partial(peers.one_table, lived[0], seen)
     makers: dict[str, Callable[[], list[MovingInverse]]] = {
         "average": lambda: [averaged(model)],
