@@ -13,7 +13,7 @@ from babbling.explanations import UNBELIEVED
 from babbling.loop import babble, bouts, experience
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
-from experiments.benchmark.options import Config
+from experiments.benchmark.options import body_options
 from experiments.shared import peers
 from experiments.shared.baselines import direct_replay
 from experiments.shared.judging import ringing, rmse_deg
@@ -32,7 +32,6 @@ Clips = Mapping[str, FloatArray]
 class Task(NamedTuple):
     """A life to be lived."""
 
-    config: Config
     body: str
     seed: int
     clips: Clips
@@ -59,7 +58,7 @@ class Point:
 
 def live(task: Task) -> list[Point]:
     """Pilot and babble; at every stop, everyone imitates."""
-    options, points, done, before = task.config.body(task.body, task.seed), list[Point](), 0, 0.0
+    options, points, done, before = body_options(task.body, task.seed), list[Point](), 0, 0.0
     body = body_of(options, COPIES)
     runs = list[tuple[FloatArray, FloatArray]]()
     found, model = begin(body, task.seed, lambda *run: runs.append(run))

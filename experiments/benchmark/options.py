@@ -56,23 +56,24 @@ class Config(WatchingOptions):
     """What to imitate: built-in names or files."""
     bodies: Annotated[tuple[Annotated[str, known(_body)], ...], some] = ("ideal", "worn")
     """ideal, noisy (0.2 degrees), worn, scrambled, payload, spring, backlash, hysteresis; or robots."""
-    seeds: Annotated[int, some] = 2
+    seeds: Annotated[int, within(1, 1_000)] = 2
     """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
     models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:12]
     """Who imitates; average_mean and average_matching (other rules of selection) only when asked for."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""
-    attempts: Annotated[int, some] = 1
+    attempts: Annotated[int, within(1, 1_000)] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
     curve: bool = False
     """Also errors after 2.3 (the pilot alone) to 100 body-minutes, on ideal and worn bodies: much longer."""
     keep: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder in which every life is kept as soon as it was lived: interrupted and said again, it goes on from there."""
+    """Folder in which every life stays that was lived: other benchmarks with the same lives take them from there."""
     workers: Annotated[int, within(1, 64)] = 2
     """Processes; the result does not depend on it."""
     peers: bool = False
     """Also the maze's peers (pgmpy, pymdp) where they are installed."""
 
-    def body(self, name: str, seed: int) -> BodyOptions:
-        """A body of one seed; one thread each."""
-        return BodyOptions(seed=seed, threads=1, **BODIES.get(name, {"robot": name}))
+
+def body_options(name: str, seed: int) -> BodyOptions:
+    """A body of one seed; one thread each."""
+    return BodyOptions(seed=seed, threads=1, **BODIES.get(name, {"robot": name}))

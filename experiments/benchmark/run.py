@@ -1,6 +1,7 @@
 """Peers in one table: same bodies, same experience, same loop, each at its own best eagerness; and what it costs."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,10 +12,11 @@ import numpy as np
 from babbling.pilot import pilot_minutes
 from experiments.benchmark import figures
 from experiments.benchmark import maze as maze_benchmark
-from experiments.benchmark.kept import lived
-from experiments.benchmark.lives import Clips, Point, Task
-from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config
+from experiments.benchmark.lives import Clips, Point, Task, live
+from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config, body_options
+from experiments.errors import ExperimentError
 from experiments.shared.experiment import Result
+from experiments.shared.kept import keeping
 from experiments.shared.minds import COPIES, body_of
 from experiments.shared.parallel import in_parallel
 from experiments.shared.progress import progress
@@ -33,7 +35,7 @@ def run(config: Config) -> Result:
     models = [name for name in config.models if name not in LEARNERS or find_spec("sklearn")]
     clips = watched(config)
     seeds = range(config.seed, config.seed + config.seeds)
-    task = partial(Task, config, clips=clips)
+    task = partial(Task, clips=clips)
     babbling = config.babbling_minutes - pilot_minutes(COPIES)
     tasks = [
         task(
@@ -47,15 +49,16 @@ def run(config: Config) -> Result:
         for seed in seeds
     ]
     tasks[0] = tasks[0]._replace(costs=True)
-    live = partial(lived, folder=config.keep)
-    lives = in_parallel(live, tasks, config.workers, "living")
+    growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
+    with keeping(config.keep, stays=True) if config.keep is not None else nullcontext():
+        lives = in_parallel(live, tasks, config.workers, "living")
+        grown = in_parallel(live, growing if config.curve else [], config.workers, "living")
     by_body = {
         body: [life[0] for one, life in zip(tasks, lives, strict=True) if one.body == body] for body in config.bodies
     }
     metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
-        growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
-        metrics |= curves(growing, in_parallel(live, growing, config.workers, "living"))
+        metrics |= curves(growing, grown)
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
@@ -63,7 +66,10 @@ def run(config: Config) -> Result:
 
 def watched(config: Config) -> Clips:
     """Every clip, at the pace that these bodies' servos allow, the same for all."""
-    body = body_of(config.body(config.bodies[0], config.seed), 1)
+    body, *others = (body_of(body_options(name, config.seed), 1) for name in config.bodies)
+    for name, other in zip(config.bodies[1:], others, strict=True):
+        if other.joints != body.joints:
+            raise ExperimentError(f"--bodies {name}: it has other joints than {config.bodies[0]}; name alike ones")
     with progress("watching") as report:
         clips = {}
         for done, clip in enumerate(config.clips):

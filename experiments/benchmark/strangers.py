@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import tyro
@@ -25,6 +25,7 @@ from experiments.gesture.options import Config as Gesture
 from experiments.gesture.run import measure, perform
 from experiments.robot.run import template, write
 from experiments.shared.experiment import as_json
+from experiments.shared.options import Minutes, obey_all, one_of, some, within
 from experiments.shared.parallel import in_parallel
 from experiments.shared.tables import show, table
 from models.errors import BodyError
@@ -64,13 +65,13 @@ NUMBERS = {"line": "linear_peer_rmse", "replay": "direct_replay_rmse"}
 class Config:
     """Options of the bench."""
 
-    robots: tuple[str, ...] = tuple(STRANGERS)
+    robots: Annotated[tuple[Annotated[str, one_of("robot", STRANGERS)], ...], some] = tuple(STRANGERS)
     """Which of them."""
-    minutes: tuple[float, ...] = (1.0, 20.0)
+    minutes: Annotated[tuple[Minutes, ...], some] = (1.0, 20.0)
     """Body-minutes of babbling."""
-    seeds: int = 1
+    seeds: Annotated[int, within(1, 1000)] = 1
     """How many minds of each, seeds 0, 1 ..."""
-    workers: int = 2
+    workers: Annotated[int, within(1, 256)] = 2
     """Processes; the result does not depend on it."""
     folder: Path | None = None
     """Packages unpacked before, each in DIR/PACKAGE, its name with underscores; none is downloaded then."""
@@ -94,8 +95,7 @@ def main(config: Config) -> None:
     Raises:
         ExperimentError: an unknown robot, a package that cannot be had, a file that cannot be written.
     """
-    if unknown := [name for name in config.robots if name not in STRANGERS]:
-        raise ExperimentError(f"--robots {unknown[0]}: there are {', '.join(STRANGERS)}")
+    obey_all(config)
     with ExitStack() as stack:
         temporary = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         chosen = [STRANGERS[name] for name in config.robots]

@@ -2,8 +2,9 @@
 
 from typing import Annotated
 
+from experiments.errors import ExperimentError
 from experiments.shared.options import Demonstration, MirrorOptions, ToRead, options, some, within
-from models.teachers.demonstrations import DEMONSTRATIONS
+from models.teachers.demonstrations import DEMONSTRATIONS, find
 
 
 @options
@@ -18,13 +19,19 @@ class Config(MirrorOptions):
     """Standard deviation of every seen direction in the noisy half of the study, degrees."""
     mirror_minutes: Annotated[float, within(0, 600, above=True)] = 12.0
     """Body-minutes in front of the mirror, for the longest point of the curve."""
-    acts: Annotated[int, some] = 200
+    acts: Annotated[int, within(1, 100_000)] = 200
     """Single acts for organ identification."""
     learners: Annotated[int, within(2, 100)] = 5
     """Who look into the mirror, each by itself, for acts that are hard to put to a part."""
-    harder_acts: Annotated[int, some] = 40
+    harder_acts: Annotated[int, within(1, 10_000)] = 40
     """Acts that each of them sees at each grade of each difficulty."""
-    tries: Annotated[int, some] = 8
+    tries: Annotated[int, within(1, 1_000)] = 8
     """Tries at each act."""
     forward_model: ToRead | None = None
     """A forward model that `imitate babble` left, for its body schema; a pilot babble otherwise."""
+
+    def check(self) -> None:
+        """See `Options`."""
+        super().check()
+        if self.shown not in self.demonstrations and find(self.shown) is None:
+            raise ExperimentError(f"--shown {self.shown}: this is none of --demonstrations")

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from experiments.errors import ExperimentError
 from experiments.face.theories import GESTURES
-from experiments.shared.options import Options, ToRead, known, one_of, options, within
+from experiments.shared.options import Options, Seed, ToRead, known, one_of, options, within
 from models.face import find as find_face
 
 
@@ -30,7 +30,7 @@ class Config(Options):
     """Acts of babbling in the dark, .3 s each."""
     tries: Annotated[int, within(1, 100)] = 5
     """At doing the same."""
-    scramble: Annotated[int, within(0)] | None = None
+    scramble: Seed | None = None
     """Seed of an unknown wiring of the motors. Senses cannot be permuted: in the dark nothing tells whose they are."""
     pacifier: bool = False
     """A pacifier stops the infant's mouth while it watches; it answers 2.5 minutes of a passive face later."""
@@ -53,4 +53,7 @@ class Config(Options):
             raise ExperimentError(
                 "--memory: what was seen is remembered in terms of one's own body; give its --mind too"
             )
+        for name in ("mind", "memory"):
+            if self.study and getattr(self, name) is not None:
+                raise ExperimentError(f"--{name}: this is for one infant; leave out --study")
         super().check()

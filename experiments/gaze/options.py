@@ -18,7 +18,7 @@ class Config(EyeOptions):
     """Body-minutes of random saccades, if babbling anew."""
     objects: str | None = None
     """Where the toys lie in the recorded episode: x,y;x,y;... in metres ahead and left, 2 to 4 of them."""
-    target: int = 0
+    target: Annotated[int, within(0, 4)] = 0
     """Which of them the teacher looks at in the recorded episode; 0 lets chance decide, 1 is the first."""
     aim_deg: Annotated[float, within(0, 20, "degrees", above=True)] = 3.0
     """How exactly a teacher's head points at what it looks at: standard deviation of each axis, degrees."""

@@ -28,7 +28,7 @@ from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.robots import head_of
 
-LESSONS = 400
+LESSONS, FAR_M = 400, 10.0
 SHOWN_TRIALS = 80
 PREFERENCE_TRIALS = 100
 PREFERENCE = (0.2, 0.8)
@@ -100,8 +100,8 @@ def _check(config: Config) -> FloatArray | None:
         places = np.array([(x, y, BALL_RADIUS) for x, y in pairs])
     except ValueError:
         raise ExperimentError(f"--objects {config.objects}: give x,y;x,y in metres, such as 0.5,0.2;0.5,-0.2") from None
-    if not 2 <= len(places) <= len(TOYS) or not np.isfinite(places).all():
-        raise ExperimentError(f"--objects: {len(places)} toys; 2 to {len(TOYS)} are possible")
+    if not 2 <= len(places) <= len(TOYS) or not (np.abs(places) < FAR_M).all():
+        raise ExperimentError(f"--objects: {len(places)} toys; 2 to {len(TOYS)} within {FAR_M:g} m are possible")
     if not 0 <= config.target <= len(places):
         raise ExperimentError(f"--target {config.target}: there are {len(places)} objects; 1 is the first, 0 chance")
     for number, place in enumerate(places, 1):

@@ -18,7 +18,6 @@ from experiments.shared.options import (
     a_push,
     must_stand,
     options,
-    some,
     within,
 )
 
@@ -36,7 +35,7 @@ class Config(BodyOptions, MirrorOptions, WatchingOptions, TableOptions):
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
     selection: Selection = "map"
     """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
-    attempts: Annotated[int, some] = 1
+    attempts: Annotated[int, within(1, 1_000)] = 1
     """How often to try; each attempt corrects what the one before missed."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""

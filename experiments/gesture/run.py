@@ -55,7 +55,12 @@ def prepare(config: Config) -> tuple[Learned, Seen]:
     noise_deg = config.seeing_noise_deg
     body = body_of(config, 1, stream=3)
     learned = take_mind(config.forward_model, config) if config.forward_model is not None else None
+    image = None if config.body_image is None else load(config.body_image, BodyImage)
+    if image is not None:
+        image.check(body)
     seen = watch(config.demonstration, body, config.motion, config.unit)
+    for clip in config.clips if config.study else ():  # read now, watched later
+        watch(clip, body, unit=config.unit)
     if not config.stand:
         seen = replace(seen, remarks=(*seen.remarks, *given(body), *held(config, seen.angles)))
     if learned is None:
@@ -65,10 +70,7 @@ def prepare(config: Config) -> tuple[Learned, Seen]:
     if config.correspondence == "learned" and seen.performance is not None:
         with progress(f"{config.robot} looks into a mirror") as report:
             started = time.perf_counter()
-            if config.body_image is not None:
-                image = load(config.body_image, BodyImage)
-                image.check(body)
-            else:
+            if image is None:
                 mirrored = look_into_mirror(config, mind.pilot, config.mirror_minutes, noise_deg, report)
                 image = image_of(mirrored, config, mind.pilot)
         learned.metrics.update(mirror_body_minutes=image.minutes, mirror_wall_s=time.perf_counter() - started)

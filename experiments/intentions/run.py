@@ -35,7 +35,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.growing import kind_of, who
 from experiments.shared.parallel import in_parallel
 from experiments.shared.playing import Tried, at_table
-from experiments.shared.rounds import look_at_hands
+from experiments.shared.rounds import CHILDREN, look_at_hands
 from experiments.shared.tables import table
 from imitation.acting.aiming import aims
 from imitation.acting.primitives import NAMES
@@ -76,10 +76,13 @@ def run(config: Config) -> Result:
     wants = wanted(config)
     if config.study:
         return study(config)
+    kept = None if config.memory is None else load(config.memory, IntentMemory)
+    if config.play is None and (config.child or 0) >= CHILDREN:
+        raise ExperimentError(f"--child {config.child}: {CHILDREN} children will play, counted from 0")
     child = who(config.play, config.seed, config.workers)
     if config.child is not None and config.child >= len(child.play.each):
         raise ExperimentError(f"--child {config.child}: {len(child.play.each)} children played, counted from 0")
-    found = one(config, child, wants)
+    found = one(config, child, wants, kept)
     rows = [
         ("what was shown", f"{config.condition}, the {config.toy}"),
         *(
@@ -101,7 +104,7 @@ def again(more: bool) -> str:
     return ", and taken up again" if more else ", and left"
 
 
-def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
+def one(config: Config, group: Child, wants: FloatArray | None, kept: IntentMemory | None) -> Done:
     """One child watches an adult with the skill of its playmates, and acts in physics."""
     number = 0 if config.child is None else config.child
     child = group if config.child is None else replace(group, play=group.play.alone(number))
@@ -121,7 +124,7 @@ def one(config: Config, group: Child, wants: FloatArray | None) -> Done:
             f"--condition {config.condition}: none of {SHOWN_TRIES} tries with the {toy} was such a one; "
             "choose another --seed, or a longer play"
         )
-    likely, kept = 0.0, None if config.memory is None else load(config.memory, IntentMemory)
+    likely = 0.0
     if kept is not None:
         kept.check(child.play.fingerprint, TOYS[toy].kind, len(GOALS), len(STATES))
         likely = kept.somebody
@@ -192,13 +195,14 @@ def shown_by(group: Child, config: Config, busy: bool) -> tuple[Trials, Tried]:
 def study(config: Config) -> Result:
     """Every condition."""
     began = time.perf_counter()
-    children = [meet(path) for path in config.plays] or [who(config.play, config.seed, config.workers)]
-    each = ceil(config.agents / len(children))
-    fewest = min(len(child.play.each) for child in children)
+    children = [meet(path) for path in config.plays or ([] if config.play is None else [config.play])]
+    each = ceil(config.agents / max(len(children), 1))
+    fewest = min((len(child.play.each) for child in children), default=CHILDREN)
     if each > fewest:
         raise ExperimentError(
-            f"--agents {config.agents}: {each} of every play, but {fewest} children played; name more --plays"
+            f"--agents {config.agents}: {each} of every play, but {fewest} children play; name more --plays, or fewer"
         )
+    children = children or [who(None, config.seed, config.workers)]
     tasks = [Tries(child, number, thing) for thing in OBJECTS for number, child in enumerate(children)]
     pools: list[dict[str, Trials]] = [{} for _ in children]
     for task, trials in zip(tasks, in_parallel(tried, tasks, config.workers, "tries in physics"), strict=True):

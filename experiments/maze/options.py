@@ -5,6 +5,9 @@ from typing import Annotated, Literal
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options, Selection, ToRead, options, within
 
+MOST_GOALS = 9
+"""That a drawing can number."""
+
 
 @options
 class Config(Options):
@@ -12,7 +15,7 @@ class Config(Options):
 
     maze: ToRead | None = None
     """Drawing of another maze (plain text; models/maze/default.txt shows how); the default is the chapter's."""
-    goal: int = 2
+    goal: Annotated[int, within(1, MOST_GOALS)] = 2
     """Goal to imitate: 1, 2, 3, ..."""
     selection: Selection = "map"
     """How an action is chosen from its posterior: map or matching."""
@@ -24,7 +27,7 @@ class Config(Options):
     """Random steps from which the forward model is learned; 0 leaves it uniform."""
     actions: Literal["seen", "unseen"] = "seen"
     """Whether intent is inferred with the teacher's actions seen, or unseen: from its places alone."""
-    smoothing: float = 0.1
+    smoothing: Annotated[float, within(0, 1e6)] = 0.1
     """Pseudo-counts on the priors of intent inference (imitation uses them bare)."""
     watch: ToRead | None = None
     """Table of walks to watch instead of the teacher's (demonstrations.csv of a run shows how)."""

@@ -10,7 +10,6 @@ from experiments.shared.options import (
     ToRead,
     WatchingOptions,
     options,
-    some,
     within,
 )
 
@@ -27,7 +26,7 @@ class Config(BodyOptions, WatchingOptions):
     """Body-minutes of rehearsal, from which chance is known."""
     demonstrations: tuple[Demonstration, ...] = ("icub-wave", "human-raise")
     """What is imitated with 200 g in the right hand while counting on: built-in names or files."""
-    learners: Annotated[int, some] = 1
+    learners: Annotated[int, within(1, 1_000)] = 1
     """Seeds of those that count on; HOAP-2 only."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""

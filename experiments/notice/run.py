@@ -26,6 +26,7 @@ from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.peers import forward_line
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
+from experiments.shared.watching import watch
 from imitation.inference.moving import MovingInverse
 
 SAID = {"average": "evidence, averaged model", "line": "evidence, plain line", "error": "threshold on felt - wanted"}
@@ -35,6 +36,9 @@ PER_HOUR = 1.0
 def run(config: Config) -> Result:
     """Rehearse, imitate in health, then let bodies change; then count on with a weight in the hand."""
     config.check()
+    if config.robot == "hoap2":  # what is counted on with is watched now, lest it be no demonstration
+        for demonstration in config.demonstrations:
+            watch(demonstration, body_of(config, 1, stream=3), unit=config.unit)
     with progress(f"{config.robot} babbles") as report:
         path, minutes = config.forward_model, config.babbling_minutes
         mind = (take_mind(path, config) if path is not None else learn_mind(config, minutes, report)).mind

@@ -14,9 +14,11 @@ from experiments.play.options import Config
 from experiments.shared.children import NAMED, Child, beside, born, keep, keep_beside, meet, merged
 from experiments.shared.experiment import as_json, check_file
 from experiments.shared.pixels import watch_hands
+from experiments.shared.playing import SEATED
 from experiments.shared.progress import progress
 from experiments.shared.rounds import PLAYED, empty, kinds, play_on, rounds_of, usable
 from experiments.shared.tables import show, table
+from models.loading import load_body
 
 
 def command(config: Config) -> Path:
@@ -92,6 +94,8 @@ def begin(config: Config, things: tuple[str, ...], out: Path) -> Child:
         ExperimentError: another mind, or other kinds of things, than the file's.
     """
     mind = None if config.forward_model is None else load(config.forward_model, Mind)
+    if mind is not None:
+        mind.check(load_body(SEATED))
     if out.exists():
         child = meet(out)
         if mind is not None and mind.fingerprint != child.play.fingerprint:

@@ -23,7 +23,7 @@ from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 12.333
 """Body-minutes in all: HOAP-2's pilot takes the first 2 1/3 of them."""
-LONGEST_MINUTES, LARGEST_FILE, MOST_PUSH = 1e5, 1 << 40, 500.0
+LONGEST_MINUTES, LARGEST_FILE, MOST_PUSH, MOST_NAMES, LARGEST_SEED = 1e5, 1 << 40, 500.0, 1000, 4_000_000_000
 MIRROR_MINUTES = 6.0
 """Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""
 
@@ -39,16 +39,17 @@ def within(low: float, high: float = inf, unit: str = "", *, above: bool = False
         possible = f"be more than {low:g} and at most {high:.12g}"
 
     def rule(option: str, value: float) -> None:
+        said = f"{value:g}" if isinstance(value, float) else str(value)[:24]
         if not ((low < value if above else low <= value) and value <= high):
-            raise ExperimentError(f"{option} {value:g}: it must {possible} {unit}".rstrip())
+            raise ExperimentError(f"{option} {said}: it must {possible} {unit}".rstrip())
 
     return rule
 
 
-def some(option: str, value: int | tuple[str, ...]) -> None:
-    """A count, or a list, of at least one."""
-    if (value if isinstance(value, int) else len(value)) < 1:
-        raise ExperimentError(f"{option} {value or 0}: at least 1 is needed")
+def some(option: str, names: tuple[object, ...]) -> None:
+    """A list of at least one."""
+    if not names:
+        raise ExperimentError(f"{option} 0: at least 1 is needed")
 
 
 def one_of(what: str, names: Collection[str]) -> Rule:
@@ -106,6 +107,7 @@ Demonstration = Annotated[str, known(find_demonstration)]
 Film = Annotated[Literal["mp4", "gif"], a_film]
 Minutes = Annotated[float, within(0, LONGEST_MINUTES, above=True)]
 Robot = Annotated[str, known(find_robot)]
+Seed = Annotated[int, within(0, LARGEST_SEED)]
 Selection = Annotated[str, known(selection_rule)]
 ToRead = Annotated[Path, file]
 
@@ -122,6 +124,8 @@ def options(kind: type[Kind]) -> type[Kind]:
 
 def obey(option: str, kind: Any, value: Any) -> None:
     """Hold a value to the rules in its type; None is held to none."""
+    if isinstance(value, tuple) and len(value) > MOST_NAMES:
+        raise ExperimentError(f"{option}: {len(value)} are named; at most {MOST_NAMES} are possible")
     for rule in getattr(kind, "__metadata__", ()):
         if callable(rule) and value is not None:
             rule(option, value)
@@ -130,11 +134,17 @@ def obey(option: str, kind: Any, value: Any) -> None:
             obey(option, inner, one)
 
 
+def obey_all(config: object) -> None:
+    """Hold every option to the rules in its type."""
+    for name, kind in get_type_hints(type(config), include_extras=True).items():
+        obey(f"--{name.replace('_', '-')}", kind, getattr(config, name))
+
+
 @options
 class Options:
     """What every experiment is asked."""
 
-    seed: Annotated[int, within(0)] = 0
+    seed: Seed = 0
     """Seed of everything random."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder for the results; default runs/NAME."""
@@ -147,8 +157,7 @@ class Options:
         Raises:
             ExperimentError, BodyError, BabblingError: the option, what is wrong with it and what is possible.
         """
-        for name, kind in get_type_hints(type(self), include_extras=True).items():
-            obey(f"--{name.replace('_', '-')}", kind, getattr(self, name))
+        obey_all(self)
 
 
 @options
@@ -163,7 +172,7 @@ class TableOptions(Options):
 class WiredOptions(Options):
     """A body whose wiring is learned."""
 
-    scramble: Annotated[int, within(0)] | None = None
+    scramble: Seed | None = None
     """Seed of an unknown wiring between mind and body."""
     threads: Annotated[int, within(1, 256)] = 2
     """Worker threads; the result does not depend on it."""
@@ -212,9 +221,9 @@ class EyeOptions(Options):
 
     robot: Annotated[str, known(head_of)] = "biclops"
     """biclops or hoap2."""
-    scramble: Annotated[int, within(0)] | None = None
+    scramble: Seed | None = None
     """Seed of an unknown wiring between mind and neck."""
-    squint: Annotated[int, within(0)] | None = None
+    squint: Seed | None = None
     """Seed of how the eyes stand out of parallel: toed in by 1 to 3 deg each, up to 1 deg nodded and rolled."""
     noise: Annotated[float, within(0, 1, "of full scale")] = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
@@ -226,5 +235,5 @@ class EyeOptions(Options):
     """Standard deviation of a blur, pixels."""
     fovy_deg: Annotated[float, within(1, 150, "degrees")] | None = None
     """Vertical field of view; None is the robot's own."""
-    renderer: str = "rays"
+    renderer: Literal["rays", "mujoco"] = "rays"
     """rays (no graphics needed) or mujoco (EGL or OSMesa)."""

@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import TypeVar
 
+from experiments.shared.kept import keeper
 from experiments.shared.progress import progress
 
 Task = TypeVar("Task")
@@ -13,7 +14,9 @@ Found = TypeVar("Found")
 
 
 def in_parallel(work: Callable[[Task], Found], tasks: Sequence[Task], workers: int, doing: str) -> list[Found]:
-    """What `work` makes of every task, in order, with progress under the name `doing`."""
+    """What `work` makes of every task, in order, with progress under the name `doing`; what is done is kept where a
+    block asks for it (`experiments.shared.kept`)."""
+    work = keeper(work)
     if workers <= 1:
         return _gathered(map(work, tasks), len(tasks), doing)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for them: threads of every worker would fight for the cores

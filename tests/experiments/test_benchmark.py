@@ -213,16 +213,15 @@ def test_a_life_without_peers_is_the_mind_of_every_other_experiment(
 ) -> None:
     minds: list[Mind] = []
     monkeypatch.setattr(lives, "perform", lambda task, options, mind, lived, point: minds.append(mind))
-    config = lives.Config(bodies=(str(arm),), seeds=1)
     babbling = 1.6  # enough for a pilot of as many bodies
-    lives.live(lives.Task(config, str(arm), 1, {}, (), (babbling,)))
+    lives.live(lives.Task(str(arm), 1, {}, (), (babbling,)))
     total = babbling + pilot_minutes(COPIES)
     usual = learn_mind(BodyOptions(robot=str(arm), seed=1, threads=1), total, lambda done: None).mind
     np.testing.assert_array_equal(minds[0].forward_model.moments, usual.forward_model.moments)
 
 
 def test_the_curve_has_every_seed_at_every_number_of_minutes() -> None:
-    task = lives.Task(lives.Config(seeds=2), "ideal", 0, {}, (), (0.0,))
+    task = lives.Task("ideal", 0, {}, (), (0.0,))
     life = [[lives.Point(m, {name: [e * m, 3 * e * m] for name in CURVE}) for m in (1.0, 2.0)] for e in (0.1, 0.2)]
     assert curves([task, task], life)["curve"]["table"] == [[1.0, 2.0], [[0.2, 0.4], [0.4, 0.8]]]
 
@@ -236,7 +235,7 @@ def test_a_life_with_stops_ends_as_one_without(arm: Path, hasty: None, monkeypat
         return point
 
     monkeypatch.setattr(lives, "perform", note)
-    lives.live(lives.Task(lives.Config(bodies=(str(arm),)), str(arm), 1, {}, (), (0.0, 0.1, 0.5)))
+    lives.live(lives.Task(str(arm), 1, {}, (), (0.0, 0.1, 0.5)))
     assert [minutes for minutes, _ in seen] == pytest.approx([0, 0.1, 0.5])
     assert [rows - seen[0][1] for _, rows in seen] == [0, 304, 1504]  # whole ticks of 8 copies, 50 a second
 

@@ -165,10 +165,10 @@ REFUSALS = {
     "mean": (["--selection", "mean"], "are categories and have no mean; use map or matching"),
     "steps": (["--wander-steps", "-1"], "it must lie between 0 and 10000000 steps"),
     "demonstrations": (["--demonstrations", "0"], "it must lie between 1 and 1000"),
-    "smoothing": (["--smoothing", "-0.1"], "pseudo-counts must be at least 0"),
-    "smoothing nan": (["--smoothing", "nan"], "pseudo-counts must be at least 0"),
+    "smoothing": (["--smoothing", "-0.1"], "--smoothing"),
+    "smoothing nan": (["--smoothing", "nan"], "--smoothing"),
     "study": (["--maze", "wide.txt", "--study"], "a maze of 2600 cells; hundreds of learners fit into at most 2500"),
-    "seed": (["--seed", "-1"], "it must be 0 or more"),
+    "seed": (["--seed", "-1"], "it must lie between 0 and 4000000000"),
     "memory": (["--memory", "tiny.txt"], "not a readable NetCDF-4 file"),
     "both": (["--memory", "a", "--watch", "b"], "give one of them"),
 }
