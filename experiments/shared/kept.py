@@ -1,7 +1,7 @@
-"""Finished parts of a long study are kept beside its results until these are there: killed, it goes on where it stopped.
+"""Finished parts of a long study are kept beside its results until these are there: killed, it goes on from there.
 
-Kept files are data: a tree in JSON and its arrays, NPZ, nothing of pickle. Only classes that the work's own annotation
-names come back, kinds of files (`babbling.kinds`) as such files. What cannot be read is said, and done again.
+Kept files are data: a tree in JSON and its arrays, NPZ, nothing of pickle. Only classes that the work's module or
+its annotation names come back, kinds of files (`babbling.kinds`) as such files. What cannot be read is done again.
 """
 
 import hashlib
@@ -9,7 +9,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import fields, is_dataclass
 from functools import cache, cached_property, partial
 from importlib.metadata import version
@@ -26,6 +26,7 @@ from experiments.errors import ExperimentError
 from experiments.shared.experiment import LIBRARIES
 from experiments.shared.options import Options
 
+Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")
 LARGEST, SUFFIX = 1 << 30, ".part.npz"
 MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
@@ -40,19 +41,22 @@ def keeping(folder: Path, *, stays: bool = False) -> Iterator[None]:
     _folders.append(folder)
     try:
         yield
+        if not stays:
+            for part in folder.glob(f"*{SUFFIX}"):
+                part.unlink(missing_ok=True)
     finally:
         _folders.pop()
-    if not stays:
-        for part in folder.glob(f"*{SUFFIX}"):
+        for part in folder.glob(f".*{SUFFIX}.*"):  # of processes that were killed
             part.unlink(missing_ok=True)
-        with suppress(OSError):  # somebody else's files are in it, or it never was there
+        with suppress(OSError):  # there are parts in it, or somebody else's files, or it never was there
             folder.rmdir()
 
 
-def beside(out: Path) -> Path:
-    """Where parts of a result are kept until it is there."""
-    whole = out.resolve()
-    return whole.with_name(f"{whole.name}.partial")
+def studying(config: Options, out: Path) -> AbstractContextManager[None]:
+    """For what takes long, a block that keeps its parts in OUT.partial until its results are published."""
+    if not getattr(config, "study", True):
+        return nullcontext()
+    return keeping(out.resolve().with_name(f"{out.resolve().name}.partial"))
 
 
 def kept(work: Callable[..., Found], *task: Any, **aside: Any) -> Found:
@@ -73,38 +77,49 @@ def keeper(work: Callable[..., Found]) -> Callable[..., Found]:
 def _kept(work: Callable[..., Found], folder: Path, program: str, *task: Any, **aside: Any) -> Found:
     digest = hashlib.sha256(program.encode())
     _tell(digest.update, (work, task))
-    bare = work.func if isinstance(work, partial) else work
-    holds = get_type_hints(bare, include_extras=True)["return"]
+    bare: Any = work.func if isinstance(work, partial) else work
+    classes = dict[str, type]()
+    for hint in (get_type_hints(bare, include_extras=True)["return"], *bare.__globals__.values()):
+        _classes(hint, classes)
     path = folder / f"{bare.__name__}-{digest.hexdigest()[:16]}{SUFFIX}"
     if path.exists():
         try:
-            found: Found = _read(path, holds)
+            found: Found = _read(path, classes)
         except Exception as error:  # NumPy, zipfile and HDF5 raise many kinds on damaged files
             print(f"imitate: {path}: cannot be used ({str(error)[:80]}); it is done again", file=sys.stderr)
         else:
             return found
-    found = work(*task, **aside)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    unfinished, arrays = path.with_name(f".{path.name}.{os.getpid()}"), list[Array]()
+    with _writing(folder):  # tried now, not after the work
+        unfinished.touch()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with unfinished.open("wb") as file:
-            arrays: list[np.ndarray[Any, Any]] = []
-            tree = json.dumps(_put(found, arrays)).encode()
-            np.savez(file, np.frombuffer(tree, np.uint8), *arrays)
-        unfinished.replace(path)
-    except OSError as error:
+        found = work(*task, **aside)
+        tree = np.frombuffer(json.dumps(_put(found, arrays, classes)).encode(), np.uint8)
+        with _writing(folder):  # which another process may have removed since
+            with unfinished.open("wb") as file:
+                np.savez(file, tree, *arrays)
+            unfinished.replace(path)
+    finally:
         unfinished.unlink(missing_ok=True)
-        why = error.strerror or error
-        raise ExperimentError(f"{folder}: what was found cannot be kept there ({why}); make room for it") from error
     return found
 
 
-def _read(path: Path, holds: Any) -> Any:
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as error:
+        why = error.strerror or error
+        raise ExperimentError(f"{folder}: what is found cannot be kept there ({why}); make room for it") from error
+
+
+def _read(path: Path, classes: Mapping[str, type]) -> Any:
     if path.stat().st_size > LARGEST:
         raise ValueError("too large")
     with np.load(path, allow_pickle=False) as held:
         tree, *arrays = (held[f"arr_{n}"] for n in range(len(held.files)))
-    return _take(json.loads(tree.tobytes()), arrays, _classes(holds, {}))
+    return _take(json.loads(tree.tobytes()), arrays, classes)
 
 
 @cache
@@ -128,7 +143,7 @@ def _tell(update: Callable[[bytes], None], thing: Any) -> None:
     elif isinstance(thing, type | FunctionType):
         if getattr(thing, "__closure__", None):
             raise TypeError(f"{thing.__qualname__}: what a closure holds cannot be told")
-        update(f"{thing.__module__}.{thing.__qualname__}".encode())
+        update(_name(thing).encode())
     elif isinstance(thing, partial):
         _tell(update, [thing.func, thing.args, thing.keywords])
     elif thing is None or isinstance(thing, bool | int | float | str | range | np.generic | Path):
@@ -153,51 +168,54 @@ def _parts(thing: Any) -> Iterator[Any]:
                 yield from (name, value)
 
 
-def _classes(hint: Any, found: dict[str, type]) -> dict[str, type]:
+def _classes(hint: Any, found: dict[str, type]) -> None:
     """Classes of one's own that a type names, by name."""
     for inner in get_args(hint):
         _classes(inner, found)
     named = is_dataclass(hint) or hasattr(hint, "_fields")
-    if isinstance(hint, type) and named and hint.__qualname__ not in found:
-        found[hint.__qualname__] = hint
+    if isinstance(hint, type) and named and _name(hint) not in found:
+        found[_name(hint)] = hint
         if not _kind(hint):
             for inner in get_type_hints(hint, include_extras=True).values():
                 _classes(inner, found)
-    return found
+
+
+def _name(one: Any) -> str:
+    return f"{one.__module__}.{one.__qualname__}"
 
 
 def _kind(holds: type) -> bool:
     return any(kind.holds is holds for kind in KINDS.values())
 
 
-def _put(thing: Any, arrays: list[np.ndarray[Any, Any]]) -> Any:
+def _put(thing: Any, arrays: list[Array], classes: Mapping[str, type]) -> Any:
     """As JSON; arrays are numbered."""
     if thing is None or type(thing) in (bool, int, float, str):
         return thing
     if isinstance(thing, np.ndarray | np.generic):
         arrays.append(np.asarray(thing))
         return ["array" if isinstance(thing, np.ndarray) else "number", len(arrays)]
+    if type(thing) in (list, tuple):
+        return [type(thing).__name__, *(_put(one, arrays, classes) for one in thing)]
+    if isinstance(thing, Mapping):
+        pairs = [[_put(half, arrays, classes) for half in pair] for pair in thing.items()]
+        return ["dict", *pairs]
+    name = _name(type(thing))
+    if classes.get(name) is not type(thing):
+        raise TypeError(f"{name} is nothing that can be kept")
     if _kind(type(thing)):
         with TemporaryDirectory() as folder:
             files.save(thing, Path(folder) / "kind.nc")
             arrays.append(np.frombuffer((Path(folder) / "kind.nc").read_bytes(), np.uint8))
-        return ["kind", type(thing).__qualname__, len(arrays)]
-    if type(thing) in (list, tuple):
-        return [type(thing).__name__, *(_put(one, arrays) for one in thing)]
-    if type(thing) is dict:
-        return ["dict", *([_put(key, arrays), _put(value, arrays)] for key, value in thing.items())]
-    if not (is_dataclass(thing) or hasattr(thing, "_fields")):
-        raise TypeError(f"{type(thing).__qualname__} is nothing that can be kept")
-    return [
-        "class", type(thing).__qualname__, *(_put(getattr(thing, name), arrays) for name in _names(type(thing)))
-    ]  # fmt: skip
+        return ["kind", name, len(arrays)]
+    return ["class", name, *(_put(getattr(thing, one), arrays, classes) for one in _names(type(thing)))]
 
 
 def _names(holds: Any) -> list[str]:
     return [one.name for one in fields(holds) if one.init] if is_dataclass(holds) else list(holds._fields)
 
 
-def _take(tree: Any, arrays: list[np.ndarray[Any, Any]], classes: Mapping[str, type]) -> Any:
+def _take(tree: Any, arrays: list[Array], classes: Mapping[str, type]) -> Any:
     if not isinstance(tree, list):
         return tree
     what, *inner = tree

@@ -193,7 +193,7 @@ def test_recording_holds_both_bodies_and_the_organ(done: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["correspondence", "--acts", "0"], "--acts 0: at least 1 is needed"),
+        (["correspondence", "--acts", "0"], "--acts 0: it must lie between 1 and 100000"),
         (["correspondence", "--seeing-noise-deg", "99"], "--seeing-noise-deg 99: it must lie between 0 and 30"),
         (["correspondence", "--mirror-minutes", "0"], "--mirror-minutes 0: it must be more than 0"),
         (["correspondence", "--demonstrations", "icub-wav"], "did you mean 'icub-wave'"),

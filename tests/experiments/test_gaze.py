@@ -204,7 +204,7 @@ def test_heads_turn_as_said(turn: Callable[..., np.ndarray]) -> None:
     [
         ({"objects": "0.5,0.1;0.5,0.9"}, "object 2 at 0.5,0.9 m is outside every direction"),
         ({"objects": "here"}, "give x,y;x,y in metres"),
-        ({"objects": "0.5,0.1"}, "2 to 4 are possible"),
+        ({"objects": "0.5,0.1"}, "2 to 4 within 10 m"),
         ({"objects": "0.5,0.1;0.5,-0.1", "target": 3}, "there are 2 objects"),
         ({"aim_deg": 0.0}, "at most 20 degrees"),
         ({"distance": 3.0}, "between 0.7 and 1.2 m"),

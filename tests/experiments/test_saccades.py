@@ -116,7 +116,7 @@ def test_no_time_to_babble_is_refused(body: SeeingBody) -> None:
     [
         ({"width": 0}, "--width 0: it must lie between 8 and 2048 pixels"),
         ({"robot": "hoap"}, "did you mean 'hoap2'"),
-        ({"seed": -1}, "it must be 0 or more"),
+        ({"seed": -1}, "it must lie between 0 and 4000000000"),
         ({"renderer": "crayon"}, "unknown renderer 'crayon'"),
         ({"noise": 2.0}, "--noise 2: it must lie between 0 and 1 of full scale"),
         ({"fovy_deg": 200.0}, "--fovy-deg 200"),
