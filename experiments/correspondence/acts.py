@@ -10,6 +10,7 @@ from babbling.axes import FloatArray, IntArray
 from babbling.mirroring import angles_between
 from babbling.organs import EDGES_DEG, Organs, turned
 from experiments.shared.judging import Sweep
+from experiments.shared.kept import once
 from experiments.shared.mirrors import Pupil
 from imitation.correspondence.organ import edge_ticks, identify, owners
 from imitation.correspondence.tries import try_again
@@ -101,17 +102,22 @@ def harder_acts(
     """Every learner sees `count` acts at every grade of every difficulty; all rules are told that something moved."""
     found = {}
     for n, (name, (_, label, grades)) in enumerate(HARDER.items()):
-        right = np.zeros((len(learners), len(RULES), len(grades)))
-        for s, organs in enumerate(learners):
-            rng = np.random.default_rng([seed + s, 19, n])
-            for g, grade in enumerate(grades):
-                hard = Hard()._replace(**{name: grade})
-                for number in range(count):
-                    part, shown = _act(organs.parts, number, rng, hard.share, int(hard.others))
-                    right[s, :, g] += part == put_to_parts(organs, seen_hard(shown, organs.parts, hard, rng), tick_s)
-                report((n + (s + (g + 1) / len(grades)) / len(learners)) / len(HARDER))
-        found[name] = Sweep(label, grades, RULES, right / count)
+        right = [once(_answers, organs, name, count, tick_s, seed + s) for s, organs in enumerate(learners)]
+        found[name] = Sweep(label, grades, RULES, np.array(right) / count)
+        report((n + 1) / len(HARDER))
     return found
+
+
+def _answers(organs: Organs, name: str, count: int, tick_s: float, seed: int) -> FloatArray:
+    """(R, K) how often each rule was right at each grade of one difficulty."""
+    grades, rng = HARDER[name][2], np.random.default_rng([seed, 19, [*HARDER].index(name)])
+    right = np.zeros((len(RULES), len(grades)))
+    for g, grade in enumerate(grades):
+        hard = Hard()._replace(**{name: grade})
+        for number in range(count):
+            part, shown = _act(organs.parts, number, rng, hard.share, int(hard.others))
+            right[:, g] += part == put_to_parts(organs, seen_hard(shown, organs.parts, hard, rng), tick_s)
+    return right
 
 
 def seen_hard(shown: FloatArray, parts: Sequence[str], hard: Hard, rng: np.random.Generator) -> FloatArray:

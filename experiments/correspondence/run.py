@@ -19,6 +19,7 @@ from experiments.correspondence.options import Config
 from experiments.correspondence.recording import record
 from experiments.shared import minds
 from experiments.shared.experiment import Result
+from experiments.shared.kept import once
 from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
@@ -46,7 +47,7 @@ def run(config: Config) -> Result:
     else:
         found = pilot(body_of(options, minds.COPIES), config.seed)
     with progress("looks into a mirror") as report:
-        experience = look_into_mirror(options, found, config.mirror_minutes, report=report)
+        experience = once(look_into_mirror, options, found, config.mirror_minutes, report=report)
     noise = float(np.deg2rad(config.seeing_noise_deg))
     seen = blurred(experience.directions, noise, np.random.default_rng([config.seed, 15]))
     blurry = replace(experience, directions=seen)
@@ -60,12 +61,12 @@ def run(config: Config) -> Result:
         for name, seen in performances.items()
     }
     shown = rows.get(config.shown) or next(iter(rows.values()))
-    curve = learning_curve(config, options, shown, [(clean, experience), (noisy, blurry)])
+    curve = once(learning_curve, config, options=options, row=shown, looks=[(clean, experience), (noisy, blurry)])
     hidden = hide_parts(noisy, rows, rng)
     acts = act_study(noisy, config.acts, config.tries, config.seed)
     with progress("harder acts") as report:
         others = (replace(options, seed=options.seed + k) for k in range(1, config.learners))
-        looks = (look_into_mirror(one, found, config.mirror_minutes, config.seeing_noise_deg) for one in others)
+        looks = (once(look_into_mirror, one, found, config.mirror_minutes, config.seeing_noise_deg) for one in others)
         organs = [noisy.image.organs, *map(find_organs, looks)]
         harder = harder_acts(organs, config.harder_acts, body.tick_s, config.seed, report)
     done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts, harder)

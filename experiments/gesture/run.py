@@ -20,7 +20,7 @@ from experiments.shared.baselines import direct_replay
 from experiments.shared.experiment import Result
 from experiments.shared.film import filmed
 from experiments.shared.held import given, held
-from experiments.shared.kept import kept
+from experiments.shared.kept import once
 from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
@@ -66,13 +66,13 @@ def prepare(config: Config) -> tuple[Learned, Seen]:
         seen = replace(seen, remarks=(*seen.remarks, *given(body), *held(config, seen.angles)))
     if learned is None:
         with progress(f"{config.robot} babbles") as report:
-            learned = kept(learn_mind, config, config.babbling_minutes, report=report)
+            learned = once(learn_mind, config, config.babbling_minutes, report=report)
     mind = learned.mind
     if config.correspondence == "learned" and seen.performance is not None:
         with progress(f"{config.robot} looks into a mirror") as report:
             started = time.perf_counter()
             if image is None:
-                mirrored = kept(look_into_mirror, config, mind.pilot, config.mirror_minutes, noise_deg, report=report)
+                mirrored = once(look_into_mirror, config, mind.pilot, config.mirror_minutes, noise_deg, report=report)
                 image = image_of(mirrored, config, mind.pilot)
         learned.metrics.update(mirror_body_minutes=image.minutes, mirror_wall_s=time.perf_counter() - started)
         pupil = Pupil(body, mind.pilot, image, noise_deg, config.parts == "named")

@@ -15,7 +15,7 @@ from experiments.gesture.standing_study import ENOUGH, Cell, prepared, study
 from experiments.shared.experiment import Result
 from experiments.shared.film import filmed
 from experiments.shared.judging import interval_95, rmse_deg
-from experiments.shared.kept import kept
+from experiments.shared.kept import once
 from experiments.shared.minds import Learned, body_of, factors_of
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.progress import progress
@@ -46,7 +46,7 @@ def stand(config: Config, learned: Learned, seen: Seen, balance: Balance | None)
     body, taken = standing_of(config, 1, 0), balance is not None
     if balance is None:
         with progress(f"{config.robot} learns to stand") as report:
-            balance = kept(learn_to_stand, config, learned.mind, hung=hung, report=report)
+            balance = once(learn_to_stand, config, learned.mind, hung=hung, report=report)
     spent = time.perf_counter() - started
     movement = paced(seen.angles, config.speed, hung)
     wanted = movement.senses[:, hung.senses.lines("angle")]

@@ -19,6 +19,7 @@ from experiments.maze.planners import PATIENCE, arrivals, least_steps, wanderers
 from experiments.maze.rerouting import Replanning, Rerouting, Walks, in_turn
 from experiments.maze.worlds import moved_wall, new_goal
 from experiments.shared.judging import intervals_95
+from experiments.shared.kept import once
 from experiments.shared.progress import Report
 from imitation.acting.follow import Follower
 from models.maze import TRUE_DYNAMICS, Maze
@@ -36,16 +37,23 @@ def changes(maze: Maze, seed: int, demonstrations: int, report: Report) -> dict[
     runs: dict[str, dict[str, list[Walks]]] = {w: defaultdict(list) for w in WORLDS}
     goals = range(1, len(maze.goals) + 1)
     for k, goal in product(range(SEEDS), goals):
-        many = population(maze, LEARNERS, max(MANY, demonstrations), 0, seed + 50 + k)
-        few, rng = many.fewer(demonstrations), np.random.default_rng([seed, 31, k, goal])
-        alone = Maze(maze.walls, maze.start, (maze.goals[goal - 1],))
-        for world, after in zip(WORLDS, (alone, moved_wall(maze, goal, rng), new_goal(maze, rng)), strict=True):
-            if after is not None:
-                shown = None if world == "new goal" else goal
-                for method, walks in _everybody(many, few, after, shown, (seed, 32, k, goal)).items():
-                    runs[world][method].append(walks)
+        for world, of in once(_worlds, maze, seed, demonstrations, k, goal).items():
+            for method, walks in of.items():
+                runs[world][method].append(walks)
         report((k + goal / len(goals)) / SEEDS)
     return {"changes": {world: {name: _told(each) for name, each in of.items()} for world, of in runs.items()}}
+
+
+def _worlds(maze: Maze, seed: int, demonstrations: int, k: int, goal: int) -> dict[str, dict[str, Walks]]:
+    """One draw and goal: world -> method -> walks."""
+    many, found = population(maze, LEARNERS, max(MANY, demonstrations), 0, seed + 50 + k), {}
+    few, rng = many.fewer(demonstrations), np.random.default_rng([seed, 31, k, goal])
+    alone = Maze(maze.walls, maze.start, (maze.goals[goal - 1],))
+    for world, after in zip(WORLDS, (alone, moved_wall(maze, goal, rng), new_goal(maze, rng)), strict=True):
+        if after is not None:
+            shown = None if world == "new goal" else goal
+            found[world] = _everybody(many, few, after, shown, (seed, 32, k, goal))
+    return found
 
 
 def _told(runs: list[Walks]) -> dict[str, Any]:

@@ -10,12 +10,13 @@ import numpy as np
 from experiments.maze.changes import OWN_STEPS, changes
 from experiments.maze.figures import learning_curve
 from experiments.maze.intents import intents
-from experiments.maze.learning import walkers
-from experiments.maze.mind import Experience, population
+from experiments.maze.learning import Convergence, walkers
+from experiments.maze.mind import population
 from experiments.maze.planners import RELIABLE
 from experiments.maze.trials import trials
 from experiments.shared.experiment import Result
 from experiments.shared.figures import Rates, rates
+from experiments.shared.kept import once
 from experiments.shared.progress import Report
 from experiments.shared.tables import table
 from models.maze import Maze
@@ -29,18 +30,16 @@ IN_TABLES = ("trials_curves", "changes", "intent_by_share", "junctions")
 
 def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothing: float, report: Report) -> Result:
     """All claims; `report` is told the fraction done."""
-    _, curve = walkers(maze, CURVE_STEPS, seed, CURVE_WALKERS, lambda done: report(0.15 * done))
+    curve = once(_curve, maze, seed, report=lambda done: report(0.15 * done))
     metrics: dict[str, Any] = {
         f"forward_model_{name}": {str(n): y for n, y in zip(curve.steps, values, strict=True) if n >= 300}
         for name, values in (("tv", curve.tv), ("tv_bound", curve.bound))
     }
-    metrics |= {"forward_model_tv_slope": curve.slope} | _imitation(
-        population(maze, SEEDS, demonstrations, wander_steps, seed), seed
-    )
+    shown = maze, demonstrations, wander_steps
+    metrics |= {"forward_model_tv_slope": curve.slope} | once(_imitation, *shown, seed)
     report(0.18)
-    observers = population(maze, WALKS, demonstrations, wander_steps, seed + 1)
-    metrics |= intents(observers, seed + 1, smoothing, lambda done: report(0.18 + 0.07 * done))
-    metrics |= trials(maze, seed, demonstrations, lambda done: report(0.25 + 0.35 * done))
+    metrics |= once(_intents, *shown, seed + 1, smoothing, report=lambda done: report(0.18 + 0.07 * done))
+    metrics |= once(trials, maze, seed, demonstrations, report=lambda done: report(0.25 + 0.35 * done))
     metrics |= changes(maze, seed, demonstrations, lambda done: report(0.6 + 0.4 * done))
     in_time, own = "share of runs within 3 x the least steps", "own steps in the maze"
     by_goal = {
@@ -79,7 +78,18 @@ All have made {OWN_STEPS} own steps in the maze as it was; planners were told th
     return Result(metrics, summary, figures)
 
 
-def _imitation(imitators: Experience, seed: int) -> dict[str, Any]:
+def _curve(maze: Maze, seed: int, report: Report) -> Convergence:
+    return walkers(maze, CURVE_STEPS, seed, CURVE_WALKERS, report)[1]
+
+
+def _intents(
+    maze: Maze, demonstrations: int, wander_steps: int, seed: int, smoothing: float, report: Report
+) -> dict[str, Any]:
+    return intents(population(maze, WALKS, demonstrations, wander_steps, seed), seed, smoothing, report)
+
+
+def _imitation(maze: Maze, demonstrations: int, wander_steps: int, seed: int) -> dict[str, Any]:
+    imitators = population(maze, SEEDS, demonstrations, wander_steps, seed)
     found: dict[str, Any] = defaultdict(lambda: {selection: {} for selection in SELECTIONS})
     teacher = {goal: imitators.teacher_steps(goal) for goal in range(1, len(imitators.maze.goals) + 1)}
     for selection, goal in product(SELECTIONS, teacher):

@@ -11,6 +11,7 @@ from babbling.features import BEFORE
 from babbling.mind import Mind
 from experiments.notice.options import Config
 from experiments.shared.judging import rmse_deg
+from experiments.shared.kept import once
 from experiments.shared.minds import body_of, learn_mind
 from experiments.shared.progress import Report
 from experiments.shared.watching import watch
@@ -63,7 +64,7 @@ def count_on(config: Config, report: Report) -> dict[str, FloatArray]:
     for learner in range(config.learners):
         here = replace(config, seed=config.seed + learner)
         laden = replace(here, robot="hoap2-payload")
-        mind, other = (learn_mind(one, config.babbling_minutes, lambda done: None).mind for one in (here, laden))
+        mind, other = (once(learn_mind, one, config.babbling_minutes, report=lambda done: None).mind for one in (here, laden))
         for d, demonstration in enumerate(config.demonstrations):
             body, born = body_of(here, 1, stream=3), body_of(laden, 1, stream=3)
             body.carry(PAYLOAD, "right_hand")

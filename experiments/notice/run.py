@@ -22,7 +22,7 @@ from experiments.notice.trials import (
 )
 from experiments.shared.experiment import Result
 from experiments.shared.judging import over_learners
-from experiments.shared.kept import kept
+from experiments.shared.kept import once
 from experiments.shared.minds import body_of, learn_mind, take_mind
 from experiments.shared.peers import forward_line
 from experiments.shared.progress import progress
@@ -42,7 +42,7 @@ def run(config: Config) -> Result:
             watch(demonstration, body_of(config, 1, stream=3), unit=config.unit)
     with progress(f"{config.robot} babbles") as report:
         path, minutes = config.forward_model, config.babbling_minutes
-        mind = (take_mind(path, config) if path is not None else kept(learn_mind, config, minutes, report=report)).mind
+        mind = (take_mind(path, config) if path is not None else once(learn_mind, config, minutes, report=report)).mind
     limit, metrics = float(np.log(3600 / PER_HOUR)), dict[str, Any]()
     inverses: dict[str, MovingInverse | None] = {"average": None, "line": forward_line(mind.forward_model)}
     ways = dict[str, tuple[MovingInverse | None, Senses]]()

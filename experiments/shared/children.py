@@ -10,7 +10,7 @@ from babbling.mind import Mind
 from babbling.own_eyes import OwnEyes
 from babbling.play import Play
 from experiments.errors import ExperimentError
-from experiments.shared.kept import kept
+from experiments.shared.kept import once
 from experiments.shared.minds import learn_mind
 from experiments.shared.options import BABBLING_MINUTES, BodyOptions
 from experiments.shared.pixels import sight
@@ -52,8 +52,8 @@ def born(
 ) -> tuple[Mind, BodyImage]:
     """Babble on the seat, unless there is a mind, and look at one's own hands and head."""
     if mind is None:
-        mind = kept(learn_mind, BodyOptions(robot=robot, seed=seed), minutes, report=report).mind
-    return mind, kept(look_at_hands, mind, seed, robot)
+        mind = once(learn_mind, BodyOptions(robot=robot, seed=seed), minutes, report=report).mind
+    return mind, once(look_at_hands, mind, seed, robot)
 
 
 def keep(child: Child, path: Path) -> None:

@@ -59,7 +59,7 @@ def studying(config: Options, out: Path) -> AbstractContextManager[None]:
     return keeping(out.resolve().with_name(f"{out.resolve().name}.partial"))
 
 
-def kept(work: Callable[..., Found], *task: Any, **aside: Any) -> Found:
+def once(work: Callable[..., Found], *task: Any, **aside: Any) -> Found:
     """`work(*task, **aside)`, or what it left in the folder of the block when it was the same task of the same program;
     results must not depend on `aside`.
 

@@ -18,7 +18,7 @@ from experiments.benchmark.lives import Point, Task
 from experiments.errors import ExperimentError
 from experiments.maze.options import Config as Maze
 from experiments.notice.options import Config as Notice
-from experiments.shared.kept import keeping, kept, studying
+from experiments.shared.kept import keeping, once, studying
 from experiments.shared.options import BodyOptions
 from experiments.shared.parallel import in_parallel
 
@@ -84,9 +84,9 @@ def same(one: Any, other: Any) -> bool:
 @pytest.mark.parametrize("value", VALUES, ids=lambda value: f"{type(value).__name__} {str(value)[:20]!r}")
 def test_what_was_found_is_not_found_again_and_is_the_same(value: Any, tmp_path: Path) -> None:
     with keeping(tmp_path / "parts", stays=True):
-        first, again = kept(give, value), kept(give, value)
+        first, again = once(give, value), once(give, value)
     assert len(DONE) == 1 and same(first, value) and same(again, value), again
-    kept(give, value)
+    once(give, value)
     assert len(DONE) == 2, "without a block nothing is kept"
 
 
@@ -96,7 +96,7 @@ def test_minds_come_back_as_files_of_theirs(arm_mind: Mind, tmp_path: Path) -> N
         return [mind.seed, mind.pilot.low, mind.temper.trust, model.moments, model.evidence, model.weights]
 
     with keeping(tmp_path, stays=True):
-        again = [kept(give, arm_mind, n) for n in (0, 0)]
+        again = [once(give, arm_mind, n) for n in (0, 0)]
     assert len(DONE) == 1 and again[1] is not arm_mind and same(told(again[1]), told(arm_mind))
 
 
@@ -105,9 +105,9 @@ def test_what_cannot_be_told_or_kept_is_a_mistake_of_ours(tmp_path: Path) -> Non
     with keeping(tmp_path / "parts", stays=True):
         for wrong in (object(), {1, 2}, Stranger, print):
             with pytest.raises(TypeError):
-                kept(give, wrong)
+                once(give, wrong)
         with pytest.raises(TypeError, match="cannot be told"):
-            kept(give, lambda: x)
+            once(give, lambda: x)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -136,7 +136,7 @@ def task(**other: object) -> Task:
 def test_another_task_is_another_part(tmp_path: Path, other: dict[str, object]) -> None:
     with keeping(tmp_path, stays=True):
         for one in (task(), task(**other), task(), task(**other)):
-            kept(live, one)
+            once(live, one)
     assert len(DONE) == 2
 
 
@@ -151,7 +151,7 @@ def test_files_are_told_by_what_is_in_them_and_options_by_what_matters(tmp_path:
             ("one", BodyOptions(robot=str(robot)), 3),
         ):
             robot.write_text(content)
-            kept(give, 1, options)
+            once(give, 1, options)
             assert len(DONE) == count
 
 
@@ -179,15 +179,15 @@ def spoilt(path: Path) -> dict[str, Callable[[], object]]:
 @pytest.mark.parametrize("case", list(spoilt(Path(__file__))))
 def test_a_spoilt_part_is_done_again_and_said(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with keeping(tmp_path, stays=True):
-        kept(live, task())
+        once(live, task())
         [path] = tmp_path.iterdir()
         spoilt(path)[case]()
         if case == "a folder":
             with pytest.raises(ExperimentError, match="cannot be kept there"):
-                kept(live, task())
+                once(live, task())
         else:
-            assert kept(live, task())[0].minutes == 2.0 and len(DONE) == 2
-            kept(live, task())
+            assert once(live, task())[0].minutes == 2.0 and len(DONE) == 2
+            once(live, task())
             assert len(DONE) == 2, "it was mended"
     said = capsys.readouterr().err
     assert str(path) in said and "is done again" in said and said.count("\n") == 1
@@ -197,30 +197,30 @@ def test_a_spoilt_part_is_done_again_and_said(case: str, tmp_path: Path, capsys:
 def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with keeping(tmp_path / "file"), pytest.raises(ExperimentError, match=r"file: .* cannot be kept there") as caught:
-        kept(give, 1)
+        once(give, 1)
     assert "\n" not in str(caught.value) and (tmp_path / "file").read_text() == ""
 
 
 def test_parts_go_when_the_block_ends_well_and_nothing_of_others(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with pytest.raises(KeyboardInterrupt), studying(Notice(), out):
-        kept(give, 1)
+        once(give, 1)
         raise KeyboardInterrupt
     assert len(list((tmp_path / "out.partial").iterdir())) == 1
     with studying(Notice(), out):
-        kept(give, 1)
+        once(give, 1)
     assert len(DONE) == 1 and list(tmp_path.iterdir()) == []
     (tmp_path / "out.partial").mkdir()
     (tmp_path / "out.partial" / "thesis.txt").write_text("years of work")
     with studying(Notice(), out):
-        kept(give, 2)
+        once(give, 2)
     assert [p.name for p in (tmp_path / "out.partial").iterdir()] == ["thesis.txt"]
 
 
 def test_only_studies_keep(tmp_path: Path) -> None:
     for config, count in ((Maze(), 0), (Maze(study=True), 1)):
         with studying(config, tmp_path / "out"):
-            kept(give, 1)
+            once(give, 1)
             assert len(list(tmp_path.glob("out.partial/*"))) == count
 
 
