@@ -9,9 +9,11 @@ from scipy.special import softmax
 
 from babbling.axes import FloatArray, IntArray
 from experiments.gaze.infer import infer, preferences
+from experiments.gaze.options import Config
 from experiments.gaze.trials import COPIES, TOYS, Trials, Watcher, located, run_trials, shown, straight, table_body
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.judging import Sweep, constant_confidence, over_learners, scores
+from experiments.shared.kept import once
 
 BEAD = 0.005
 """m, radius: beads touch where they lie 1 degree apart."""
@@ -100,36 +102,43 @@ class Crowds(NamedTuple):
 
 def crowds(pupils: list[Watcher], count: int, report: Callable[[float], None]) -> Crowds:
     """Every pupil meets every teacher; `count` trials at each spacing."""
-    right = np.empty((len(TEACHERS), len(pupils), len(RULES), len(SPACINGS)))
-    said = np.empty((len(TEACHERS), len(pupils), len(SAID), 3))
-    kept: list[float] = []
+    met = []
     for p, naive in enumerate(pupils):
-        seed = naive.config.seed
-        body, rng = table_body(naive.config, COPIES, seed + 31, TURN_S, BEAD), np.random.default_rng([seed, 0xC20])
-        for t, (before, after, likes) in enumerate(TEACHERS.values()):
-            meet = partial(run_trials, body, naive, rng=rng, radius=BEAD, preference=likes)
-            lessons = _clear(meet(LESSONS, turn=before, apart_deg=LESSONS_APART), naive)
-            who = shown(naive, lessons)
-            liked = preferences(who, lessons, TOYS)
-            simple = Simple.learned(_looks(who, lessons), lessons.pose, lessons.target)
-            beliefs, targets = [], []
-            for s, spacing in enumerate(SPACINGS):
-                apart = (spacing, 1.25 * spacing)
-                trials = _clear(meet(count, turn=after, apart_deg=apart), who)
-                kept.append(len(trials.target) / count)
-                looks = _looks(who, trials)
-                near = -np.linalg.norm(trials.pose[:, None] - looks, axis=-1)
-                beliefs.append((infer(who, trials, TOYS, liked), simple.read(looks, trials.pose), near))
-                targets.append(trials.target)
-                right[t, p, :, s] = [(ranks.argmax(1) == trials.target).mean() for ranks in beliefs[-1]]
-                report((p + (t + (s + 1) / len(SPACINGS)) / len(TEACHERS)) / len(pupils))
-            target = np.concatenate(targets)
-            ours, simply, _ = (np.concatenate(column) for column in zip(*beliefs, strict=True))
-            constant = constant_confidence(ours, target)
-            said[t, p] = [scores(belief, target) for belief in (ours, simply, constant)]
+        met.append(once(_meets, naive.config, count, naive=naive))
+        report((p + 1) / len(pupils))
+    right, said, kept = zip(*met, strict=True)
     label = "degrees to the nearest bead"
-    found = {name: Sweep(label, SPACINGS, RULES, right[t]) for t, name in enumerate(TEACHERS)}
-    return Crowds(found, dict(zip(TEACHERS, said, strict=True)), float(np.mean(kept)))
+    found = {name: Sweep(label, SPACINGS, RULES, np.stack(right, 1)[t]) for t, name in enumerate(TEACHERS)}
+    return Crowds(found, dict(zip(TEACHERS, np.stack(said, 1), strict=True)), float(np.mean(kept)))
+
+
+def _meets(config: Config, count: int, naive: Watcher) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """One pupil: by teacher, how often (R, K) rules were right, (3, 3) scores of what was said, and the share of trials
+    kept at each spacing."""
+    right, said = np.empty((len(TEACHERS), len(RULES), len(SPACINGS))), np.empty((len(TEACHERS), len(SAID), 3))
+    kept = np.empty((len(TEACHERS), len(SPACINGS)))
+    body = table_body(config, COPIES, config.seed + 31, TURN_S, BEAD)
+    rng = np.random.default_rng([config.seed, 0xC20])
+    for t, (before, after, likes) in enumerate(TEACHERS.values()):
+        meet = partial(run_trials, body, naive, rng=rng, radius=BEAD, preference=likes)
+        lessons = _clear(meet(LESSONS, turn=before, apart_deg=LESSONS_APART), naive)
+        who = shown(naive, lessons)
+        liked = preferences(who, lessons, TOYS)
+        simple = Simple.learned(_looks(who, lessons), lessons.pose, lessons.target)
+        beliefs, targets = [], []
+        for s, spacing in enumerate(SPACINGS):
+            trials = _clear(meet(count, turn=after, apart_deg=(spacing, 1.25 * spacing)), who)
+            kept[t, s] = len(trials.target) / count
+            looks = _looks(who, trials)
+            near = -np.linalg.norm(trials.pose[:, None] - looks, axis=-1)
+            beliefs.append((infer(who, trials, TOYS, liked), simple.read(looks, trials.pose), near))
+            targets.append(trials.target)
+            right[t, :, s] = [(ranks.argmax(1) == trials.target).mean() for ranks in beliefs[-1]]
+        target = np.concatenate(targets)
+        ours, simply, _ = (np.concatenate(column) for column in zip(*beliefs, strict=True))
+        constant = constant_confidence(ours, target)
+        said[t] = [scores(belief, target) for belief in (ours, simply, constant)]
+    return right, said, kept
 
 
 def _clear(trials: Trials, who: Watcher) -> Trials:

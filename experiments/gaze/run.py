@@ -18,11 +18,23 @@ from experiments.gaze.infer import infer, preferences
 from experiments.gaze.options import Config
 from experiments.gaze.recording import record
 from experiments.gaze.scene import episode
-from experiments.gaze.trials import COPIES, PAIR, TOYS, Watcher, lesson_for_gaze, run_trials, shown, table_body, view
+from experiments.gaze.trials import (
+    COPIES,
+    PAIR,
+    TOYS,
+    Trials,
+    Watcher,
+    lesson_for_gaze,
+    run_trials,
+    shown,
+    table_body,
+    view,
+)
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
 from experiments.shared.judging import calibration_error
+from experiments.shared.kept import once
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
@@ -46,37 +58,22 @@ def run(config: Config) -> Result:
         ExperimentError, BodyError, BabblingError: options that cannot be meant.
     """
     layout = _check(config)
-    counts = STUDY if config.study else SHORT
     naive = _pupil(config)
     mind = naive.eyes
-    body = table_body(config, COPIES, config.seed + 11, TURN_S)
-    rng = np.random.default_rng([config.seed, 0x6A2E])
-    with progress("being shown") as report:
-        lessons = run_trials(body, naive, SHOWN_TRIALS, rng, report=report)
-        who = shown(naive, lessons)
-    with progress("following gaze") as report:
-        clear_trials = run_trials(
-            body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
-        )
+    lessons, clear_trials, with_likes, close, many, covered = once(_met, config, naive=naive)
+    who = shown(naive, lessons)
     clear = infer(who, clear_trials, TOYS).argmax(1) == clear_trials.target
-    with progress("a teacher with preferences") as report:
-        meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE, report=report)
-        likes = preferences(who, meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0)), PAIR)
-        close = meet(counts["pairs"], apart_deg=(5.7, 6.3))
+    likes = preferences(who, with_likes, PAIR)
     plain = close._replace(salience=np.ones_like(close.salience))
     alone = infer(who, plain, PAIR).argmax(1) == close.target
     preferred = infer(who, close, PAIR, likes).argmax(1) == close.target
-    with progress("calibration") as report:
-        many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
     belief = infer(who, many, TOYS, preferences(who, lessons, TOYS))
     error, bins = calibration_error(belief.max(1), belief.argmax(1) == many.target)
-    with progress("covered eyes") as report:
-        covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
     close_by = None
     if config.study:
         pupils = [naive, *(_pupil(replace(config, seed=config.seed + k)) for k in range(1, PUPILS))]
         with progress("beads that lie close") as report:
-            close_by = crowds(pupils, counts["crowds"], report)
+            close_by = crowds(pupils, STUDY["crowds"], report)
     shown_episode = episode(who, layout, config.target, config.seed)
     found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode, close_by)
     metrics = _metrics(config, found)
@@ -85,6 +82,29 @@ def run(config: Config) -> Result:
     files = {"eyes.nc": lambda path: save(mind, path, labels, robot=config.robot, seed=config.seed)}
     recorded = partial(record, robot=config.robot, one=found.episode, summary=summary, seed=config.seed)
     return Result(metrics, summary, figures(found), recorded, files)
+
+
+def _met(config: Config, naive: Watcher) -> tuple[Trials, Trials, Trials, Trials, Trials, dict[str, Any]]:
+    """Trials of being shown, following, a teacher with preferences (toys apart, then close), calibration; and covered
+    eyes."""
+    counts, rng = STUDY if config.study else SHORT, np.random.default_rng([config.seed, 0x6A2E])
+    body = table_body(config, COPIES, config.seed + 11, TURN_S)
+    with progress("being shown") as report:
+        lessons = run_trials(body, naive, SHOWN_TRIALS, rng, report=report)
+        who = shown(naive, lessons)
+    with progress("following gaze") as report:
+        clear = run_trials(
+            body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
+        )
+    with progress("a teacher with preferences") as report:
+        meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE, report=report)
+        with_likes = meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0))
+        close = meet(counts["pairs"], apart_deg=(5.7, 6.3))
+    with progress("calibration") as report:
+        many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
+    with progress("covered eyes") as report:
+        covered = covered_eyes(body, who, counts["covered"], np.random.default_rng([config.seed, 7]), report)
+    return lessons, clear, with_likes, close, many, covered
 
 
 def _check(config: Config) -> FloatArray | None:
@@ -124,7 +144,7 @@ def _eyes(config: Config) -> LookingMind:
 
 
 def _pupil(config: Config) -> Watcher:
-    mind = _eyes(config)
+    mind = once(_eyes, config)
     with progress("the caregiver mirrors") as report:
         return lesson_for_gaze(config, mind, LESSONS, config.seed, report)
 

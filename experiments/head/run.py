@@ -22,6 +22,7 @@ from experiments.shared.caregiver import FIND_FACE, FRAME_S, TURN_S, Occlusion, 
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.judging import rmse_deg
+from experiments.shared.kept import once
 from experiments.shared.minds import people_say
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
@@ -53,12 +54,11 @@ def run(config: Config) -> Result:
     if not looked.found:
         return nobody(config, looked)
     with progress("the caregiver mirrors") as report:
-        appearance = caregiver.lesson(config, config.lessons, config.seed, config.distance, report)
+        appearance = once(caregiver.lesson, config, config.lessons, config.seed, config.distance, report=report)
     with progress("babbling with the neck"):
-        neck = watching_body(config.robot, copies=MIND_COPIES, scramble=config.scramble)
-        mind = learn(neck, minutes=config.babbling_minutes, seed=config.seed)
+        mind = once(_babbled, config)
     with progress("watching") as report:
-        sequences, paths, strays = _watch(config, report)
+        sequences, paths, strays = _watch(config, report) if config.distractor else once(_watch, config, report=report)
     kept: dict[str, list[Kept]] = {}
     if strays is not None:
         with progress("tracking") as report:
@@ -69,7 +69,7 @@ def run(config: Config) -> Result:
             count = len(path)
             numbers = kept[IMITATED][b].numbers if kept else sequences.numbers[:count, b]
             watched = kept[IMITATED][b].watched if kept else watch(appearance, numbers, TICK_S)
-            imitated, replayed = _perform(config, mind, watched, config.seed + b)
+            imitated, replayed = once(_perform, config, config.seed + b, mind=mind, watched=watched)
             truth, hidden = sequences.truth[:count, b], sequences.hidden[:count, b]
             done.append(Imitation(truth, numbers, hidden, watched, imitated, replayed))
             report((b + 1) / len(paths))
@@ -87,6 +87,11 @@ def _search(config: Config) -> Search:
     )  # fmt: skip
     body.reset()
     return caregiver.search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
+
+
+def _babbled(config: Config) -> Mind:
+    neck = watching_body(config.robot, copies=MIND_COPIES, scramble=config.scramble)
+    return learn(neck, minutes=config.babbling_minutes, seed=config.seed)
 
 
 def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], Strays | None]:
@@ -124,7 +129,7 @@ def remembered(config: Config, watched: Watched) -> HeadMemory:
     return HeadMemory(whose, TICK_S, config.movement, watched.pose, watched.deviation)
 
 
-def _perform(config: Config, mind: Mind, watched: Watched, seed: int) -> tuple[FloatArray, FloatArray]:
+def _perform(config: Config, seed: int, mind: Mind, watched: Watched) -> tuple[FloatArray, FloatArray]:
     """(T, 2) true angles: the estimate imitated, and each frame's raw estimate replayed."""
     do = reproduce_elsewhere if config.deferred else reproduce
     imitated = do(remembered(config, watched), mind, config.robot, config.selection, seed, config.scramble)

@@ -64,7 +64,9 @@ def count_on(config: Config, report: Report) -> dict[str, FloatArray]:
     for learner in range(config.learners):
         here = replace(config, seed=config.seed + learner)
         laden = replace(here, robot="hoap2-payload")
-        mind, other = (once(learn_mind, one, config.babbling_minutes, report=lambda done: None).mind for one in (here, laden))
+        mind, other = (
+            once(learn_mind, one, config.babbling_minutes, report=lambda done: None).mind for one in (here, laden)
+        )
         for d, demonstration in enumerate(config.demonstrations):
             body, born = body_of(here, 1, stream=3), body_of(laden, 1, stream=3)
             body.carry(PAYLOAD, "right_hand")

@@ -175,8 +175,8 @@ def _classes(hint: Any, found: dict[str, type]) -> None:
     named = is_dataclass(hint) or hasattr(hint, "_fields")
     if isinstance(hint, type) and named and _name(hint) not in found:
         found[_name(hint)] = hint
-        if not _kind(hint):
-            for inner in get_type_hints(hint, include_extras=True).values():
+        with suppress(NameError):  # types that are imported for the type checker alone
+            for inner in () if _kind(hint) else get_type_hints(hint, include_extras=True).values():
                 _classes(inner, found)
 
 

@@ -52,7 +52,7 @@ VALUES = (
 )  # fmt: skip
 
 
-def give(value: Any, seed: int = 0) -> Any:
+def give(value: Any, told: Any = None) -> Any:
     DONE.append(value)
     return value
 
@@ -97,7 +97,9 @@ def test_minds_come_back_as_files_of_theirs(arm_mind: Mind, tmp_path: Path) -> N
 
     with keeping(tmp_path, stays=True):
         again = [once(give, arm_mind, n) for n in (0, 0)]
-    assert len(DONE) == 1 and again[1] is not arm_mind and same(told(again[1]), told(arm_mind))
+        for mind in (arm_mind, again[1]):  # what is done with them is the same task
+            once(give, 1, [mind, mind.pilot, mind.forward_model])
+    assert len(DONE) == 2 and again[1] is not arm_mind and same(told(again[1]), told(arm_mind))
 
 
 def test_what_cannot_be_told_or_kept_is_a_mistake_of_ours(tmp_path: Path) -> None:
