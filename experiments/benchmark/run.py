@@ -1,10 +1,12 @@
 """Peers in one table: same bodies, same experience, same loop, each at its own best eagerness; and what it costs."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from typing import Any
 
 import numpy as np
@@ -59,9 +61,16 @@ def run(config: Config) -> Result:
     metrics = compare(config, tuple(clips), by_body) | lives[0][0].costs
     if config.curve:
         metrics |= curves(growing, grown)
+    metrics["peak_memory_mb"] = peak_memory_mb()
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
+
+
+def peak_memory_mb() -> float:
+    """Of this process, or of the largest that lived a life: what was resident at most."""
+    most = max(getrusage(who).ru_maxrss for who in (RUSAGE_SELF, RUSAGE_CHILDREN))
+    return most / (1 << 20 if sys.platform == "darwin" else 1 << 10)
 
 
 def watched(config: Config) -> Clips:
@@ -138,6 +147,7 @@ def summarise(metrics: Mapping[str, Any], maze: Sequence[maze_benchmark.Row]) ->
     costs = [
         ("babbling against bare stepping of the same bodies", f"{metrics['babbling_efficiency_factor']:.2f}"),
         ("one selection for all joints", f"{metrics['select_p50_ms']:.2f} ms"),
+        ("peak memory, largest process", f"{metrics['peak_memory_mb']:.0f} MB"),
     ]
     answers = [
         (r.question, r.who, f"{r.each_us:.3f}", f"{r.times_ours_factor:.2f}", f"{r.largest_difference:.1e}")

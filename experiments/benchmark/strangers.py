@@ -25,6 +25,7 @@ from experiments.gesture.options import Config as Gesture
 from experiments.gesture.run import measure, perform
 from experiments.robot.run import template, write
 from experiments.shared.experiment import as_json
+from experiments.shared.kept import keeping
 from experiments.shared.options import Minutes, obey_all, one_of, some, within
 from experiments.shared.parallel import in_parallel
 from experiments.shared.tables import show, table
@@ -86,7 +87,6 @@ class Life(NamedTuple):
     minutes: float
     seed: int
     model: Path
-    wave: Path
 
 
 def main(config: Config) -> None:
@@ -98,6 +98,7 @@ def main(config: Config) -> None:
     obey_all(config)
     with ExitStack() as stack:
         temporary = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        stack.enter_context(keeping(config.out.resolve().with_suffix(".partial")))
         chosen = [STRANGERS[name] for name in config.robots]
         if config.folder is None:
             for package in dict.fromkeys(one.package for one in chosen):
@@ -106,8 +107,8 @@ def main(config: Config) -> None:
         done: list[dict[str, Any]] = []
         for minutes in config.minutes:
             lives = [
-                Life(name, minutes, seed, model, temporary / f"{number}-{minutes:g}-{seed}.csv")
-                for number, (name, model) in enumerate(zip(config.robots, models, strict=True))
+                Life(name, minutes, seed, model)
+                for name, model in zip(config.robots, models, strict=True)
                 for seed in range(config.seeds)
             ]
             done += in_parallel(live, lives, config.workers, f"{minutes:g} body-minutes")
@@ -120,17 +121,19 @@ def live(life: Life) -> dict[str, Any]:
     who = {"robot": life.robot, "minutes": life.minutes, "seed": life.seed}
     try:
         body = load_body(life.model, give_servos=True, threads=1)
-        write(life.wave, body, template(body))
-        gesture = Gesture(
-            robot=str(life.model),
-            servos=True,
-            demonstration=str(life.wave),
-            babbling_minutes=life.minutes,
-            attempts=3,
-            seed=life.seed,
-            threads=1,
-        )
-        metrics = measure(perform(gesture))
+        with tempfile.TemporaryDirectory() as folder:
+            wave = Path(folder) / "wave.csv"
+            write(wave, body, template(body))
+            gesture = Gesture(
+                robot=str(life.model),
+                servos=True,
+                demonstration=str(wave),
+                babbling_minutes=life.minutes,
+                attempts=3,
+                seed=life.seed,
+                threads=1,
+            )
+            metrics = measure(perform(gesture))
     except (BodyError, BabblingError) as error:
         return {**who, "refused": " ".join(str(error).split()).replace(str(life.model), life.model.name)}
     found: dict[str, Any] = {}

@@ -19,7 +19,7 @@ from models.files import text
 
 LARGEST_JSON, LARGEST_ARRAYS, LONGEST_S = 1 << 24, 1 << 28, 1e6
 LONGEST_NAME, LONGEST_VALUE = 60, 40
-TIMINGS = ("_s", "_ms", "_factor")
+TIMINGS = ("_s", "_ms", "_factor", "_mb")
 """So end metrics that tell of the machine."""
 
 

@@ -28,7 +28,7 @@ from experiments.shared.options import Options
 
 Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")
-LARGEST, SUFFIX = 1 << 30, ".part.npz"
+LARGEST, LONGEST_PATH, SUFFIX = 1 << 30, 4096, ".part.npz"
 MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
 """Options that results do not depend on."""
 _folders: list[Path] = []
@@ -147,8 +147,9 @@ def _tell(update: Callable[[bytes], None], thing: Any) -> None:
     elif isinstance(thing, partial):
         _tell(update, [thing.func, thing.args, thing.keywords])
     elif thing is None or isinstance(thing, bool | int | float | str | range | np.generic | Path):
-        update(repr(thing).encode())
-        if isinstance(thing, str | Path) and len(str(thing)) < 1000 and os.path.isfile(thing):
+        there = isinstance(thing, str | Path) and len(str(thing)) < LONGEST_PATH and os.path.isfile(thing)
+        update(repr(thing.name if there and isinstance(thing, Path) else thing).encode())
+        if there:
             update(hashlib.sha256(Path(thing).read_bytes()).digest())
     else:
         for part in _parts(thing):

@@ -63,22 +63,20 @@ def test_links_crowds_and_no_zips_are_refused(tmp_path: Path, monkeypatch: pytes
 def test_a_life_is_what_gesture_computes_and_a_refusal_is_told(
     arm: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[Gesture] = []
+    asked: list[tuple[Gesture, bool]] = []
     metrics = {f"{name}_deg": number for number, name in enumerate(strangers.NUMBERS.values(), start=4)}
     metrics |= {"attempts_rmse_deg": [3.0, 2.0, 1.0], "attempts_rmse_mm": None, "slowed_factor": 1.0}
-    monkeypatch.setattr(strangers, "perform", asked.append)
+    monkeypatch.setattr(strangers, "perform", lambda one: asked.append((one, Path(one.demonstration).is_file())))
     monkeypatch.setattr(strangers, "measure", lambda done: metrics)
-    wave = tmp_path / "wave.csv"
-    one = live(Life("arm", 0.5, 7, arm, wave))
-    [config] = asked
-    config.check()
-    assert (config.robot, config.demonstration, config.servos) == (str(arm), str(wave), True)
+    one = live(Life("arm", 0.5, 7, arm))
+    [(config, shown)] = asked
+    assert (config.robot, config.servos, shown) == (str(arm), True, True)
     assert (config.babbling_minutes, config.attempts, config.seed) == (0.5, 3, 7)
     assert one["joints"] == 3 and one["rmse"] == {"deg": {"first": 3, "third": 1, "line": 4, "replay": 5}}
     broken = tmp_path / "broken.xml"
     broken.write_text("<mujoco/>")
-    other = live(Life("broken", 0.5, 0, broken, tmp_path / "other.csv"))
-    assert other["refused"].startswith("broken.xml: ") and not (tmp_path / "other.csv").exists()
+    other = live(Life("broken", 0.5, 0, broken))
+    assert other["refused"].startswith("broken.xml: ")
     keep(Config(robots=(), out=tmp_path / "new" / "found.json"), [one, other])
     assert [file.name for file in (tmp_path / "new").iterdir()] == ["found.json"]
     assert "| arm | 0.5 | deg |" in told([one, other]) and "refused: broken.xml" in told([one, other])
