@@ -150,7 +150,7 @@ def _tell(update: Callable[[bytes], None], thing: Any) -> None:
         there = isinstance(thing, str | Path) and len(str(thing)) < LONGEST_PATH and os.path.isfile(thing)
         update(repr(thing.name if there and isinstance(thing, Path) else thing).encode())
         if there:
-            update(hashlib.sha256(Path(thing).read_bytes()).digest())
+            update(hashlib.sha256(Path(str(thing)).read_bytes()).digest())
     else:
         for part in _parts(thing):
             _tell(update, part)

@@ -6,21 +6,46 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, is_dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
 
+from babbling.kinds import KINDS
 from babbling.mind import Mind
+from experiments.benchmark import strangers
 from experiments.benchmark.lives import Point, Task
+from experiments.benchmark.lives import live as lived
+from experiments.correspondence import acts
+from experiments.correspondence.run import learning_curve
 from experiments.errors import ExperimentError
+from experiments.face.infants import raised
+from experiments.face.mirroring import compared
+from experiments.face.study import answer
+from experiments.face.watching import watched
+from experiments.gaze import crowds
+from experiments.gaze import run as gaze
+from experiments.gesture.standing_study import tried as stood
+from experiments.head import run as head
+from experiments.head.distractor import Strays
+from experiments.intentions.study import part
+from experiments.intentions.study import tried as intended
+from experiments.maze.changes import _worlds
 from experiments.maze.options import Config as Maze
+from experiments.maze.study import _curve
 from experiments.notice.options import Config as Notice
+from experiments.objects.study import measured
+from experiments.shared.caregiver import lesson
 from experiments.shared.kept import keeping, once, studying
+from experiments.shared.minds import learn_mind
+from experiments.shared.mirrors import look_into_mirror
+from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.options import BodyOptions
 from experiments.shared.parallel import in_parallel
+from experiments.shared.rounds import look_at_hands, played
+from tests.experiments.slow_study import TASKS, slowly
 
 ROOT = Path(__file__).resolve().parents[2]
 CLIPS = {"one": np.linspace(0, 1, 12).reshape(4, 3)}
@@ -226,44 +251,56 @@ def test_only_studies_keep(tmp_path: Path) -> None:
             assert len(list(tmp_path.glob("out.partial/*"))) == count
 
 
+WORKS = (
+    raised, watched, answer, compared, measured, intended, part, stood, lived, strangers.live, played, learn_mind,
+    look_into_mirror, look_at_hands, learn_to_stand, lesson, learning_curve, head._watch, head._perform, head._babbled,
+    gaze._eyes, gaze._met, crowds._meets, acts._answers, _curve, _worlds,
+)  # fmt: skip
+"""Everything that studies do once."""
+
+
+@pytest.mark.parametrize("work", WORKS, ids=lambda work: f"{work.__module__}.{work.__name__}")
+def test_what_studies_find_can_be_kept(work: Callable[..., Any]) -> None:
+    """By its annotations, all the way down."""
+    todo, met = [get_type_hints(work, include_extras=True)["return"]], set[str]()
+    while todo:
+        hint = todo.pop()
+        if str(hint) in met:
+            continue
+        met.add(str(hint))
+        if any(kind.holds is hint for kind in KINDS.values()) or hint in (Any, ..., None, type(None)):
+            continue
+        if get_origin(hint) is np.ndarray or (isinstance(hint, type) and issubclass(hint, bool | int | float | str)):
+            continue
+        if is_dataclass(hint) or hasattr(hint, "_fields"):
+            todo += get_type_hints(hint, include_extras=True).values()
+        elif get_origin(hint) is Annotated:
+            todo.append(hint.__origin__)
+        else:
+            assert hint is not Strays and get_args(hint), hint
+            todo += [one for one in get_args(hint) if one is not Strays]  # of whom nothing is kept
+
+
 # --- processes that are killed ---------------------------------------------------------------------------------------
-
-TASKS = 6
-
-
-def slowly(number: int) -> list[float]:
-    """A task, noted in a file where it is really done; some take long."""
-    with Path("done.txt").open("a") as note:
-        note.write(f"{number}\n")
-    time.sleep(0.4 if number % 2 else 0.05)
-    return np.random.default_rng(number).normal(size=3).tolist()
 
 
 def test_killed_and_repeated_it_ends_with_the_same_and_does_little_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    code = (
-        "from pathlib import Path; from experiments.shared.parallel import in_parallel; "
-        "from experiments.shared.kept import keeping; from tests.experiments.test_kept import TASKS, slowly\n"
-        "if __name__ == '__main__':\n"
-        "    with keeping(Path('parts')): found = in_parallel(slowly, range(TASKS), 2, 'x')\n"
-        "    Path('found.txt').write_text(repr(found))\n"
-    )
-    (tmp_path / "study.py").write_text(code)
-    asked = {"cwd": tmp_path, "env": {**os.environ, "PYTHONPATH": str(ROOT)}, "start_new_session": True}
-    running = subprocess.Popen([sys.executable, "study.py"], **asked)  # type: ignore[call-overload]
-    until = time.monotonic() + 60
-    while len(list(tmp_path.glob("parts/*.npz"))) < 2 and time.monotonic() < until:
+    asked = [sys.executable, "-m", "tests.experiments.slow_study"]
+    how: Any = {"cwd": tmp_path, "env": {**os.environ, "PYTHONPATH": str(ROOT)}, "start_new_session": True}
+    running, until = subprocess.Popen(asked, **how), time.monotonic() + 100
+    while len(list(tmp_path.glob("parts/*.npz"))) < 2 and running.poll() is None and time.monotonic() < until:
         time.sleep(0.01)
     os.killpg(running.pid, signal.SIGKILL)
     running.wait()
     kept_then, begun = len(list(tmp_path.glob("parts/*.npz"))), (tmp_path / "done.txt").read_text().split()
-    assert 2 <= kept_then < TASKS and not (tmp_path / "found.txt").exists()
-    subprocess.run([sys.executable, "study.py"], check=True, timeout=120, **asked)  # type: ignore[call-overload]
+    assert 2 <= kept_then <= TASKS and not (tmp_path / "found.txt").exists()
+    subprocess.run(asked, check=True, timeout=120, **how)
     again = (tmp_path / "done.txt").read_text().split()[len(begun) :]
     assert len(again) == TASKS - kept_then and not (tmp_path / "parts").exists()
     monkeypatch.chdir(tmp_path)
-    assert (tmp_path / "found.txt").read_text() == repr(in_parallel(slowly, range(TASKS), 1, "x"))
+    assert (tmp_path / "found.txt").read_text() == repr([slowly(number) for number in range(TASKS)])
 
 
 def test_a_part_says_what_its_work_says(tmp_path: Path) -> None:
@@ -271,4 +308,3 @@ def test_a_part_says_what_its_work_says(tmp_path: Path) -> None:
         assert in_parallel(give, [1, 2, 3], 1, "x") == [1, 2, 3]
         assert in_parallel(give, [3, 2, 4], 1, "x") == [3, 2, 4]
     assert DONE == [1, 2, 3, 4]
-    assert replace(Thing(Pair(1, 2))) == Thing(Pair(1, 2))
