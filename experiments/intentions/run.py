@@ -200,7 +200,7 @@ def study(config: Config) -> Result:
     fewest = min((len(child.play.each) for child in children), default=CHILDREN)
     if each > fewest:
         raise ExperimentError(
-            f"--agents {config.agents}: {each} of every play, but {fewest} children play; name more --plays, or fewer"
+            f"--agents {config.agents}: {each} of every play, but {fewest} children played; name more --plays"
         )
     children = children or [who(None, config.seed, config.workers)]
     tasks = [Tries(child, number, thing) for thing in OBJECTS for number, child in enumerate(children)]
