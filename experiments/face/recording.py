@@ -39,13 +39,12 @@ def record(path: Path, done: Done, summary: str) -> None:
 
 def layout(done: Done) -> rrb.Horizontal:
     """Faces and eyes left; beliefs and relations right."""
-    chance = rrb.ScalarAxis(range=(0.0, 1.05))
-    eyes = [views.eyes()] if done.watched is not None else []
+    eyes = [views.eyes(done.watched.images[0][0])] if done.watched is not None else []
     return views.beside(
         views.world("the infant (left) and who is watched", (0.17, -0.6, 0.14), (0.17, 0.0, -0.01)),
         *eyes,
-        rrb.TimeSeriesView(name="P(organ that moves | seen)", origin="/organ", axis_y=chance),
-        rrb.TimeSeriesView(name="relations: seen, then felt", origin="/relations"),
+        views.series("P(organ that moves | seen)", origin="/organ", within=views.CHANCE),
+        views.series("relations: seen, then felt", origin="/relations"),
         rrb.StateTimelineView(name="what is done", origin="/doing"),
         row_shares=[1.3, *([0.9] if eyes else []), 0.8, 1.0, 0.5],
         stage_share=2.0,

@@ -32,8 +32,8 @@ def _layout(robot: str, one: Following) -> rrb.Horizontal:
         views.world(
             f"the teacher looks at {one.names[one.target]}", (0.15, -1.1, height + 0.85), (0.47, 0.0, height + 0.05)
         ),
-        views.eyes(),
-        rrb.TimeSeriesView(name="P(object | head)", origin="/belief"),
+        views.eyes(one.images[0][0]),
+        views.series("P(object | head)", origin="/belief"),
         rrb.Horizontal(*views.head_angles()),
         rrb.TextLogView(name="what happens", origin="/events"),
         row_shares=[1.5, 1, 0.9, 0.7],

@@ -44,7 +44,7 @@ def record(path: Path, done: Found, summary: str) -> None:
         balls = balls | {ball.name: way for ball, way in zip(BALLS, np.moveaxis(crossing, 1, 0), strict=True)}
     toys = [ball for ball in (*TOYS_OF_ANOTHER_ROOM, *BALLS) if ball.name in balls]
     model = stage(config.robot, teacher=not later, distance=config.distance, balls=toys).compile()
-    with recording(path, "imitate-head", name, _layout(config), summary) as stream:
+    with recording(path, "imitate-head", name, _layout(config, done.images[0][0]), summary) as stream:
         shape = (len(frames), len(FACE), 2, NUMBERS)
         found = one.numbers[frames].reshape(shape)[..., :2]
         expected = done.appearance.expect(one.watched.pose[frames]).reshape(shape)[..., :2]
@@ -79,22 +79,22 @@ def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray
         log_series(stream, f"tracking/{name}", np.maximum(away, 1e-3), FRAME_S, name, light(INKS[name]))
 
 
-def _layout(config: Config) -> rrb.Horizontal:
+def _layout(config: Config, picture: NDArray[np.uint8]) -> rrb.Horizontal:
     height = head_of(config.robot).table[2]
     room = "imitated later, in another room" if config.deferred else "teacher and imitator"
     more = rrb.Tabs(
-        rrb.TimeSeriesView(name="error [deg]", origin="/error"),
-        rrb.TimeSeriesView(name="numbers the filter used", origin="/seen"),
-        rrb.TimeSeriesView(
-            name="each frame alone [deg]",
-            contents=[f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")],
+        views.series("error [deg]", origin="/error"),
+        views.series("numbers the filter used", origin="/seen"),
+        views.series(
+            "each frame alone [deg]",
+            *(f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")),
         ),
-        *([rrb.TimeSeriesView(name="error by tracking [deg]", origin="/tracking")] if config.distractor else []),
+        *([views.series("error by tracking [deg]", origin="/tracking")] if config.distractor else []),
         active_tab=0,
     )
     return views.beside(
         views.world(room, (0.1, -1.15, height + 0.62), (0.36, 0.0, height + 0.16)),
-        views.eyes(),
+        views.eyes(picture),
         *views.head_angles("demonstrated", "estimated", "imitated"),
         more,
         row_shares=[1.5, 1, 1, 0.8],
@@ -103,7 +103,7 @@ def _layout(config: Config) -> rrb.Horizontal:
 
 def record_search(path: Path, looked: Search, summary: str) -> None:
     """What was seen while nobody was found."""
-    layout = rrb.Vertical(views.eyes(), rrb.TimeSeriesView(name="pan [deg]", origin="/head"), views.summary())
+    layout = rrb.Vertical(views.eyes(looked.images[0][0]), views.series("pan [deg]", origin="/head"), views.summary())
     with recording(path, "imitate-head", "no face", layout, summary) as stream:
         log_eyes(stream, looked.images, 1.4)
         log_series(stream, "head/pan/imitated", np.rad2deg(looked.pans), 1.4, "pan", IMITATED)

@@ -46,10 +46,10 @@ def layout(done: Done) -> rrb.Horizontal:
     """The tables left; beliefs, object and touch right."""
     return views.beside(
         views.world("imitator, and who shows it behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
-        rrb.TimeSeriesView(name="P(goal | somebody pursues one)", origin="/goal", axis_y=PROBABILITY),
-        rrb.TimeSeriesView(name="P(somebody)", origin="/somebody", axis_y=PROBABILITY),
+        views.series("P(goal | somebody pursues one)", origin="/goal", within=views.CHANCE),
+        views.series("P(somebody)", origin="/somebody", within=views.CHANCE),
         rrb.StateTimelineView(name="what is done, and the object's state", origin="/object"),
-        rrb.TimeSeriesView(name="imitator's touch [N]", origin="/touch"),
+        views.series("imitator's touch [N]", origin="/touch"),
         row_shares=[1.4, 0.8, 1.0, 0.8],
         stage_share=2.2,
     )

@@ -20,8 +20,8 @@ def record(path: Path, done: Changed, body: SimulatedBody, limit: float, joints:
     whole, surprise = done.whole["average"][:, 0], done.surprise["average"][:, 0]
     layout = views.beside(
         views.world("imitator", (1.0, 0.0, 0.5), (0.0, 0.0, 0.3)),
-        rrb.TimeSeriesView(name="surprise of the body [nat], and when it is an alarm", origin="/body"),
-        rrb.TimeSeriesView(name="surprise of the joints [nat]", origin="/joints"),
+        views.series("surprise of the body [nat], and when it is an alarm", origin="/body"),
+        views.series("surprise of the joints [nat]", origin="/joints"),
         rrb.StateTimelineView(name="what happens", origin="/change"),
         row_shares=[1, 1.4, 0.5],
     )

@@ -17,6 +17,12 @@ this order."""
 STYLES = (("o-", OURS), ("s--", THEIRS), ("^:", DARK))
 
 
+def captioned(figure: Figure, caption: str) -> Figure:
+    """The figure; what it shows, in two sentences, stands under it and in the report."""
+    figure.set_label(caption)
+    return figure
+
+
 def learning_curve(
     x: FloatArray | Sequence[float],
     lines: Mapping[str, FloatArray | Sequence[float]],

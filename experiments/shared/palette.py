@@ -11,12 +11,15 @@ INKS = {"red": "#d62728", "blue": "#1f4fd8", "green": "#2ca02c", "yellow": "#d4b
 """Of features and toys that have these colours."""
 
 DEMONSTRATED, IMITATED, REPLAYED = (120, 170, 255), (255, 140, 40), (150, 150, 150)
+EARLIER = (150, 95, 50)
+"""Attempts before the last."""
 ESTIMATED = (110, 220, 150)
 FOUND, EXPECTED = (255, 255, 255), (255, 150, 40)
 """Places on a retina."""
 SERIES = (IMITATED, (110, 200, 120), (200, 120, 230), DEMONSTRATED, (230, 210, 90))
 """Lights for one thing after the other."""
-GROUND = (30, 34, 40)
+GROUND, GRID = (74, 81, 93), (110, 118, 130, 90)
+"""Behind what is seen in space, and the lines of its floor."""
 
 
 def light(ink: str) -> Light:
