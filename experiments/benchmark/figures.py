@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 _LINES = dict(zip(("average", "table", "inverse_line", "forward_line", "feature_line", "feature_line_forward"),
-                  (OURS, DARK, PLAIN, INKS["green"], THEIRS, INKS["violet"]), strict=True))  # fmt: skip
+                  (OURS, DARK, PLAIN, CYCLE[2], THEIRS, CYCLE[3]), strict=True))  # fmt: skip
 
 
 def drawn(metrics: Mapping[str, Any]) -> dict[str, Figure]:

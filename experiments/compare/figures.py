@@ -3,9 +3,9 @@
 from matplotlib.figure import Figure
 
 from experiments.compare.found import Compared
-from experiments.shared.palette import INKS, OURS
+from experiments.shared.palette import CYCLE, OURS
 
-COLOURS = (OURS, *(INKS[name] for name in ("green", "violet", "red", "cyan", "yellow", "magenta", "lime")))
+COLOURS = (OURS, *CYCLE[2:])
 """Of runs; blue is the demonstration's."""
 
 

@@ -82,7 +82,7 @@ def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
     log_states(stream, "organ/identified", dict.fromkeys(names), labels, tick, window)
     probability = np.stack([organ.probability for organ in found])
     often = np.argsort(-probability.mean(0))[:5]
-    for place, colour in zip(often, SERIES, strict=True):
+    for place, colour in zip(often, SERIES, strict=False):
         series = np.concatenate([np.zeros(window), probability[:, place]])
         log_series(stream, f"organ/probability/{names[place]}", series, tick, names[place], colour)
     for label, who, colour in (("clean eyes", row.clean, IMITATED), ("noisy eyes", row.noisy, DEMONSTRATED)):

@@ -12,7 +12,7 @@ from experiments.gaze.scene import FRAME_S, Following
 from experiments.gaze.trials import TOYS
 from experiments.shared.figures import rates, sweeps
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import INKS, PLAIN
+from experiments.shared.palette import BALLS, PLAIN
 
 
 def figures(found: Found) -> dict[str, Figure]:
@@ -37,7 +37,7 @@ def episode(one: Following) -> Figure:
     time = np.arange(watched) * FRAME_S
     for k, name in enumerate(one.names):
         mark = " (looked at)" if k == one.target else ""
-        belief.plot(time, one.probability[:watched, k], color=INKS[name], lw=2.2, label=name + mark)
+        belief.plot(time, one.probability[:watched, k], color=BALLS[name], lw=2.2, label=name + mark)
     belief.set(
         xlabel="s", ylabel="P(object | pose of the head)", ylim=(-0.02, 1.05), title="Eq. (2) while the head turns"
     )
@@ -45,7 +45,7 @@ def episode(one: Following) -> Figure:
     poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
     poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
     for name, pose in zip(one.names, np.rad2deg(one.expected), strict=True):
-        poses.plot(*pose, "o", color=INKS[name], ms=11, label=name)
+        poses.plot(*pose, "o", color=BALLS[name], ms=11, label=name)
     poses.invert_yaxis()
     poses.invert_xaxis()
     poses.margins(0.15)

@@ -12,7 +12,7 @@ from babbling.explanations import EXPLANATIONS
 from experiments.gesture.found import Performed
 from experiments.shared.figures import captioned, learning_curve
 from experiments.shared.judging import LearningCurve
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 REACH = 6.0
 """Standard deviations to either side of where a posterior lies."""
@@ -212,7 +212,7 @@ def explanations(done: Performed) -> Figure:
     figure = Figure(figsize=(11, 3.8), layout="constrained")
     axis = figure.subplots()
     below = np.zeros(len(weights))
-    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, INKS["green"], OURS), weights.T, strict=True):
+    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, CYCLE[2], OURS), weights.T, strict=True):
         axis.bar(range(len(share)), share, bottom=below, color=colour, label=name)
         below += share
     axis.set_xticks(

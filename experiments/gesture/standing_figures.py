@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 from experiments.gesture.standing_found import Stands
 from experiments.shared.figures import rates
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 DIRECTIONS = ("forward and back", "sideways")
 """What people call the two directions of pressure."""
 INK = {
-    "ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": INKS["green"], "blind": INKS["violet"], "both": INKS["cyan"]
+    "ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": CYCLE[2], "blind": CYCLE[3], "both": CYCLE[4]
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from experiments.head.distractor import Crossed
 from experiments.head.found import Found, Imitation
 from experiments.shared.caregiver import FACE
 from experiments.shared.judging import rmse_deg
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import DARK, FEATURES, OURS, PLAIN, THEIRS
 from experiments.shared.views import AXES
 from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Appearance
@@ -109,8 +109,8 @@ def looks(appearance: Appearance) -> Figure:
         for feature, name in enumerate(FACE):
             u, v = numbers[..., feature, eye, 0], numbers[..., feature, eye, 1]
             for row in range(0, 25, 6):
-                axes.plot(u[row], v[row], color=INKS[name], lw=1.3)
-                axes.plot(u[:, row], v[:, row], color=INKS[name], lw=0.6, alpha=0.7)
+                axes.plot(u[row], v[row], color=FEATURES[name], lw=1.3)
+                axes.plot(u[:, row], v[:, row], color=FEATURES[name], lw=0.6, alpha=0.7)
         axes.set(title=f"{('left', 'right')[eye]} eye", xlabel="u [px]", aspect="equal")
     panels[0].set_ylabel("v [px]")
     panels[0].invert_yaxis()

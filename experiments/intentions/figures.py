@@ -10,7 +10,7 @@ from experiments.intentions import films
 from experiments.intentions.agents import GOALS
 from experiments.intentions.found import Done, Studied
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 from models.objects.states import STATES
 
 INFANTS: Final = {
@@ -36,7 +36,7 @@ def figures(done: Done) -> dict[str, Figure]:
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1.25, 1], sharey=True)
     after = np.arange(len(done.meant.goal))
-    inks = iter([OURS, THEIRS, *list(INKS.values())])
+    inks = iter([*CYCLE, DARK])
     for n, goal in enumerate(GOALS):
         if done.meant.goal[:, n].max() > LEAST_SHOWN:
             left.plot(after, done.meant.goal[:, n], "o-", color=next(inks), label=goal)

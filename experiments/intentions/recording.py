@@ -14,7 +14,7 @@ from experiments.intentions.found import Done
 from experiments.intentions.showing import device
 from experiments.objects.recording import became, log_touch
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, SERIES
+from experiments.shared.palette import DEMONSTRATED, FOUND, IMITATED, REPLAYED, SERIES
 from experiments.shared.playing import LOOKED_AT, TICK_S, at_table
 from experiments.shared.recording import log_body, log_series, log_states, log_stick_figure, recording
 from imitation.acting.primitives import NAMES
@@ -25,7 +25,7 @@ from models.shapes import parts
 
 BESIDE: Final = 0.75
 """m between imitator and adult."""
-MANY: Final = (*SERIES, (230, 120, 120), (150, 220, 220), (240, 240, 240), (120, 120, 120))
+MANY: Final = (*SERIES, FOUND, REPLAYED)
 OVER: Final = "over"
 PROBABILITY: Final = rrb.ScalarAxis(range=(0.0, 1.05))
 POLES: Final = ((0, 3), (3, 5), (1, 4), (4, 6))

@@ -17,15 +17,15 @@ from experiments.maze.drawing import GOAL_COLOURS, offsets, wall_segments
 from experiments.maze.found import Found
 from experiments.maze.mind import places_of
 from experiments.shared import views
-from experiments.shared.palette import light
+from experiments.shared.palette import CYCLE, PLAIN, light
 from experiments.shared.recording import log_figure, log_series, log_states, recording, ticks
 from models.maze import ACTIONS, STEPS, Maze
 
 WALL_HEIGHT, WALL_WIDTH = 0.55, 0.07
-ACTION_COLOURS = ("#1b6ca8", "#edae49", "#d1495b", "#66a182", "#8a8f98")
+ACTION_COLOURS = (*CYCLE[1:5], PLAIN)
 FLOOR, WALL, PALE, DARK = (222, 222, 216), (70, 84, 104), np.array([190, 190, 190]), np.array([12, 14, 20])
 LONGEST_TRAIL = 150
-EVENTS = {"sub-goal": (102, 161, 130), "backtracking": (237, 174, 73), "forward model alone": (209, 73, 91)}
+EVENTS = {"sub-goal": light(CYCLE[2]), "backtracking": light(CYCLE[5]), "forward model alone": light(CYCLE[4])}
 
 
 def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
@@ -72,7 +72,7 @@ def _log_imitation(stream: rr.RecordingStream, done: Found) -> None:
     _log_label(stream, "imitating/goal/label", there, f"goal {goal}")
     _log_walk(stream, "imitating", places)
     subgoal = _raised(places_of(maze).place(decisions.subgoal[:steps, 0]), 0.1)
-    stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
+    stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[EVENTS["sub-goal"]], radii=[0.2]), static=True)
     stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
     posterior = decisions.posterior[:steps, 0]
     reach = np.pad(STEPS[:4], ((0, 0), (0, 1))) * posterior[:, :4, None] * 1.5

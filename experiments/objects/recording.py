@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from experiments.objects.found import Done
 from experiments.objects.options import words
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, SERIES
+from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.playing import TICK_S, Tried, at_table
 from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
 from imitation.acting.primitives import NAMES
@@ -66,7 +66,7 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
             grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
             log_series(stream, f"grip/{n}", grip, TICK_S, part, SERIES[n])
     log_touch(stream, tries)
-    colours = dict(zip(STATES, [(120, 120, 120), *SERIES, (230, 120, 120), (240, 240, 240)], strict=True))
+    colours = dict(zip(STATES, [REPLAYED, *SERIES[: len(STATES) - 1]], strict=True))
     states, acts = list[str](), list[str]()
     for tried in tries:
         states += became(tried, toy)
