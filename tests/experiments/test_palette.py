@@ -46,7 +46,7 @@ def difference(one: str, other: str, whose: str) -> float:
 
 
 def test_the_measure_knows_published_values() -> None:
-    """White and black are 100 apart; pure red is at 53.2, 80.1, 67.2; to deuteranopes this red and this green are alike."""
+    """White and black are 100 apart; pure red is at 53.2, 80.1, 67.2; to deuteranopes these are alike."""
     assert difference("#ffffff", "#000000", "all") == pytest.approx(100, abs=0.01)
     assert lab(np.array([1.0, 0, 0])) == pytest.approx([53.24, 80.09, 67.20], abs=0.02)
     assert difference("#d62728", "#2ca02c", "deuteranopes") < 10 < 100 < difference("#d62728", "#2ca02c", "all")
