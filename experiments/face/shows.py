@@ -8,9 +8,14 @@ from matplotlib.figure import Figure
 from babbling.relations import RELATIONS
 from experiments.face.judging import MAIN, WHOSE
 from experiments.face.once import TICK_S, Done
+from experiments.shared.figures import captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 
+@captioned(
+    "What one infant saw at the end, whose organ it took to move, frame by frame, and its tries: as it felt "
+    "them and as they were, beside the target that it saw."
+)
 def demo_figure(done: Done, m: dict[str, Any]) -> Figure:
     """What was seen and which organ it seemed to be, frame by frame; then tries, as felt and as they were."""
     figure = Figure(figsize=(12.5, 4.0), layout="constrained")

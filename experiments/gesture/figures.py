@@ -27,6 +27,11 @@ def figures(done: Performed, metrics: Mapping[str, Any]) -> dict[str, Figure]:
     return made
 
 
+@captioned(
+    "What every joint missed of its sub-goals, worst on top, and all of them through time (band: from the "
+    "best to the worst attempt). Where a teacher was watched, below: how far the limbs point beside the "
+    "teacher's, and the least that this body's joints allow."
+)
 def imitation(done: Performed, metrics: Mapping[str, Any]) -> Figure:
     """Error of every joint beside its peers'; of all joints through time, attempt by attempt; and of the limbs."""
     limbs_too = done.seen.oracle is not None
@@ -45,12 +50,7 @@ def imitation(done: Performed, metrics: Mapping[str, Any]) -> Figure:
         for unit in units
     )
     figure.suptitle(f"{done.title}: root mean square of all joints, {told}", fontsize=11)
-    caption = "What every joint missed of its sub-goals, and all of them through time; the line between two marks of a "
-    caption += "joint is what imitation gains over sending the sub-goals to the servos (direct replay)."
-    if limbs_too:
-        caption += " Below, what an onlooker sees: how far the limbs point beside the teacher's, and the least that "
-        caption += "this body's joints allow."
-    return captioned(figure, caption)
+    return figure
 
 
 def by_joint(axes: Axes, done: Performed) -> None:
@@ -106,6 +106,10 @@ def limbs(figure: SubFigure, done: Performed) -> None:
     right.set_ylabel("mean of frames [deg]")
 
 
+@captioned(
+    "Amplitude spectra of the joints' errors over the whole movement (Hann window). A body that chatters has "
+    "a hump near half of the control rate, which a root mean square over time hides."
+)
 def ringing(done: Performed) -> Figure:
     """Amplitude spectrum of every joint's error: what shakes stands out on the right."""
     figure = Figure(figsize=(8, 4.4), layout="constrained")
@@ -124,13 +128,13 @@ def ringing(done: Performed) -> Figure:
     axes.set_title(f"{done.title}: does it shake?")
     axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=8, loc="upper right")
-    caption = (
-        "Amplitude spectra of the joints' errors over the whole movement (Hann window). A body that chatters has a "
-    )
-    caption += "hump near half of the control rate, which a root mean square over time hides."
-    return captioned(figure, caption)
+    return figure
 
 
+@captioned(
+    "How sure every joint was of its next command, how likely its sub-goal was at all, and how often babbling "
+    "had been in the row that was chosen (0: never tried), at every tick of the last attempt."
+)
 def beliefs(done: Performed) -> Figure:
     """Entropy and evidence of Eq. (1) and what was never tried, of every joint at every tick of the last attempt."""
     last, order = done.attempts[-1], done.factors
@@ -152,11 +156,7 @@ def beliefs(done: Performed) -> Figure:
         axes.set_title(title, fontsize=9)
         figure.colorbar(picture, ax=axes, pad=0.01)
     figure.axes[0].set_yticks(range(len(rows)), [names[j] for j in rows], fontsize=6)
-    caption = (
-        "How sure every joint was of its next command, how likely its sub-goal was at all, and how often babbling "
-    )
-    caption += "had been in the row that was chosen (0: never tried), at every tick of the last attempt."
-    return captioned(figure, caption)
+    return figure
 
 
 def posterior(done: Performed, joint: int) -> Figure:
@@ -206,6 +206,10 @@ def _units(done: Performed) -> str:
     return " or ".join(sorted({*done.body.shown_units}))
 
 
+@captioned(
+    "What babbling made of every joint: the probability of five rival explanations of its movements, given "
+    "what was felt. Eq. (1) asks all of them, each as much as it is believed."
+)
 def explanations(done: Performed) -> Figure:
     """How probable each explanation of each joint's movements has become."""
     weights = done.learned.mind.forward_model.weights[done.factors]
@@ -224,6 +228,10 @@ def explanations(done: Performed) -> Figure:
     return figure
 
 
+@captioned(
+    "Mutual information of every motor line and every sense line, found by moving. The brightest cell of a "
+    "row is the sense that its motor moves; names are for people, the imitator knows numbers only."
+)
 def body_schema(done: Performed) -> Figure:
     """Mutual information of every motor line and every sense line."""
     information = done.learned.mind.pilot.schema.information
@@ -239,6 +247,10 @@ def body_schema(done: Performed) -> Figure:
     return figure
 
 
+@captioned(
+    "Error of predicting the posture one tick ahead, on babbling that was held out, against body time. The "
+    "line is the least-squares fit of the same experience: where both meet, tables add nothing."
+)
 def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
     """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
     return learning_curve(

@@ -9,6 +9,7 @@ from experiments.head.distractor import INKS as WAYS
 from experiments.head.distractor import Crossed
 from experiments.head.found import Found, Imitation
 from experiments.shared.caregiver import FACE
+from experiments.shared.figures import captioned
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import DARK, FEATURES, OURS, PLAIN, THEIRS
 from experiments.shared.views import AXES
@@ -29,6 +30,10 @@ def figures(found: Found) -> dict[str, Figure]:
     return drawn
 
 
+@captioned(
+    "One sequence: the head as it was, as each frame alone shows it, as it was believed and as it was "
+    "imitated; errors below. Shaded: the face was hidden by a card."
+)
 def movement(one: Imitation) -> Figure:
     """One sequence: what was demonstrated, each frame's own estimate, the estimate, what was imitated; errors below."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
@@ -58,6 +63,9 @@ def movement(one: Imitation) -> Figure:
     return figure
 
 
+@captioned(
+    "Things of the face's own colours cross the view. Below, by how much each way of tracking loses the head meanwhile."
+)
 def distractor(crossed: Crossed) -> Figure:
     """Error of the pose by way of tracking, of every sequence and through the first one; the wrong things followed."""
     figure = Figure(figsize=(11.5, 4.2), layout="constrained")
@@ -98,6 +106,10 @@ def _hide(axes: Axes, time: FloatArray, hidden: BoolArray) -> None:
         )  # fmt: skip
 
 
+@captioned(
+    "Where each feature of a face is expected on the retina, over all poses of its head; learned while a "
+    "caregiver mirrored one's own head."
+)
 def looks(appearance: Appearance) -> Figure:
     """What was learned of a head's looks: where its features are seen as it pans and tilts."""
     figure = Figure(figsize=(10.5, 4.2), layout="constrained")
@@ -120,6 +132,10 @@ def looks(appearance: Appearance) -> Figure:
     return figure
 
 
+@captioned(
+    "Error of every sequence, by what was known: the filter with and without the future, each frame alone, "
+    "and the imitation."
+)
 def errors(sequences: list[Imitation]) -> Figure:
     """Every sequence's error, by kind of estimate."""
     figure = Figure(figsize=(8, 3.8), layout="constrained")
@@ -141,6 +157,7 @@ def errors(sequences: list[Imitation]) -> Figure:
     return figure
 
 
+@captioned("A movement that was remembered, and its performance later, in another room.")
 def recalled(memory: HeadMemory, imitated: FloatArray) -> Figure:
     """A remembered movement and its performance."""
     figure = Figure(figsize=(9, 4.2), layout="constrained")

@@ -1,7 +1,8 @@
 """Figures that experiments share."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from typing import Any, ParamSpec
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,14 +15,24 @@ from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 Rates = Mapping[str, Mapping[str, Mapping[str, Any]]]
 """Panel -> who -> a curve of metrics.json: where (numbers or names), the share there and perhaps its 95 % intervals, in
 this order."""
+Drawn = ParamSpec("Drawn")
 MARKS = "osD^v<>PX"
 STYLES = (("o-", OURS), ("s--", THEIRS), ("^:", DARK))
 
 
-def captioned(figure: Figure, caption: str) -> Figure:
-    """The figure; what it shows, in two sentences, stands under it and in the report."""
-    figure.set_label(caption)
-    return figure
+def captioned(caption: str) -> Callable[[Callable[Drawn, Figure]], Callable[Drawn, Figure]]:
+    """Of whatever draws a figure: what it shows, in two sentences; it stands under the figure and in the report."""
+
+    def wrap(draw: Callable[Drawn, Figure]) -> Callable[Drawn, Figure]:
+        @wraps(draw)
+        def drawn(*values: Drawn.args, **named: Drawn.kwargs) -> Figure:
+            figure = draw(*values, **named)
+            figure.set_label(caption)
+            return figure
+
+        return drawn
+
+    return wrap
 
 
 def learning_curve(
