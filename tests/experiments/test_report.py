@@ -56,12 +56,10 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def made(
-    folder: Path, name: str, words: list[str], summary: str = "# Found\n\n| a | b |\n| --- | --- |\n| 1 | 2 |"
-) -> Read:
-    config = parse(EXPERIMENTS[name].options(), name, words)
+def made(folder: Path, summary: str = "# Found\n\nwords") -> Read:
+    config = parse(EXPERIMENTS["maze"].options(), "maze", [])
     assert config is not None
-    found = Read(page(name, config, summary, {"it": figure()}, folder, PROVENANCE))
+    found = Read(page("maze", config, summary, {"it": figure()}, folder, PROVENANCE))
     assert not found.open
     return found
 
@@ -99,7 +97,7 @@ def test_words_are_as_they_were_and_tables_are_tables(folder: Path) -> None:
         ["gesture", "--stand", "--push", "1,0,4,0", "--clips", "icub-wave", "human-raise", "--babbling-minutes", "7.5"],
         ["maze", "--goal-prior", "0.5,0.25,0.25", "--deferred"],
         ["intentions", "--wants", "apart=1", "up=2"],
-        ["face", "--gesture", "tongue out", "--scramble", "4"],
+        ["face", "--gesture", "mouth open", "--scramble", "4"],
         ["compare", "runs/a b", "runs/c"],
     ],
     ids=" ".join,
