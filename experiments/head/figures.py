@@ -43,14 +43,16 @@ def movement(one: Imitation) -> Figure:
     for i, name in enumerate(AXES):
         axes = panels[i]
         _hide(axes, time, one.hidden)
+        middle, half = np.rad2deg(one.watched.pose[:, i]), 2 * np.rad2deg(one.watched.deviation[:, i])
+        axes.fill_between(time, middle - half, middle + half, color=THEIRS, alpha=0.25, lw=0, label="two deviations")
         axes.plot(time[frames], np.rad2deg(one.watched.raw[frames, i]), ".", color=RAW, ms=3, label="each frame alone")
         axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=DARK, lw=3.2, alpha=0.35, label="demonstrated")
-        axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=THEIRS, lw=1.3, label="estimated")
+        axes.plot(time, middle, color=THEIRS, lw=1.3, label="estimated")
         axes.plot(time, np.rad2deg(one.imitated[:, i]), color=OURS, lw=1.0, ls="--", label="imitated")
         axes.set_ylabel(f"{name} [deg]")
         ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
         axes.set_ylim(ends[0] - 4, ends[1] + 4)
-    panels[0].legend(ncols=4, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    panels[0].legend(ncols=5, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     _hide(panels[2], time, one.hidden)
     for values, colour, label in (
         (one.watched.raw, RAW, "each frame alone"),

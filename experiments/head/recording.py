@@ -14,8 +14,8 @@ from experiments.head.options import Config
 from experiments.shared import views
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search
 from experiments.shared.eyes_recording import log_eyes, log_head, log_points, log_rings, log_stage
-from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
-from experiments.shared.recording import log_series, recording
+from experiments.shared.palette import DEMONSTRATED, ESTIMATED, EXPECTED, FOUND, IMITATED, REPLAYED, light
+from experiments.shared.recording import log_series, log_states, recording
 from imitation.deferred import HeadMemory
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
@@ -55,7 +55,12 @@ def record(path: Path, done: Found, summary: str) -> None:
         log_head(stream, "raw", one.watched.raw[frames], FRAME_S, REPLAYED, "frame alone", 1.0)
         log_head(stream, "demonstrated", truth, FRAME_S, DEMONSTRATED, width=4.0)
         log_head(stream, "estimated", one.watched.pose, TICK_S, ESTIMATED)
+        for sign, side in ((1, "above"), (-1, "below")):
+            edge = one.watched.pose + 2 * sign * one.watched.deviation
+            log_head(stream, f"band/{side}", edge, TICK_S, ESTIMATED, "two standard deviations", 0.6)
         log_head(stream, "imitated", one.imitated, TICK_S, IMITATED)
+        states = np.where(one.hidden, "hidden by a card", "seen").tolist()
+        log_states(stream, "face", {"seen": REPLAYED, "hidden by a card": EXPECTED}, states, TICK_S)
         used = one.watched.used[frames].astype(float)
         log_series(stream, "seen/numbers", used, FRAME_S, "numbers used", ESTIMATED)
         error = np.rad2deg(np.hypot(*(one.imitated[frames] - truth).T))
@@ -95,9 +100,10 @@ def _layout(config: Config, picture: NDArray[np.uint8]) -> rrb.Horizontal:
     return views.beside(
         views.world(room, (0.1, -1.15, height + 0.62), (0.36, 0.0, height + 0.16)),
         views.eyes(picture),
-        *views.head_angles("demonstrated", "estimated", "imitated"),
+        rrb.StateTimelineView(name="the face", origin="/face"),
+        *views.head_angles("demonstrated", "estimated", "band/**", "imitated"),
         more,
-        row_shares=[1.5, 1, 1, 0.8],
+        row_shares=[1.5, 0.4, 1, 1, 0.8],
     )
 
 
