@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rerun as rr
 from matplotlib.figure import Figure
 
 import babbling.loop
@@ -15,6 +16,7 @@ import imitation.acting.movement
 import imitation.acting.rehearsal
 from babbling.mind import Mind, learn
 from models.loading import load_body
+from tests.recordings import empty_views
 
 os.environ.setdefault("MUJOCO_GL", "disabled")
 
@@ -58,6 +60,25 @@ ARM = """
   </actuator>
 </mujoco>
 """
+
+
+@pytest.fixture(scope="session", autouse=True)
+def every_view_shows_something() -> Iterator[None]:
+    """Whatever is recorded in any test: no panel of its blueprint is empty."""
+    places, save, end = dict[int, Path](), rr.RecordingStream.save, rr.RecordingStream.disconnect
+
+    def begin(stream: rr.RecordingStream, path: Path, **how: Any) -> None:
+        places[id(stream)] = Path(path)
+        save(stream, path, **how)
+
+    def finish(stream: rr.RecordingStream) -> None:
+        end(stream)
+        assert not (empty := empty_views(places.pop(id(stream)))), f"nothing is seen in {empty}"
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rr.RecordingStream, "save", begin)
+        patch.setattr(rr.RecordingStream, "disconnect", finish)
+        yield
 
 
 @pytest.fixture(scope="session")

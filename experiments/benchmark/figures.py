@@ -7,10 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.figures import captioned
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 _LINES = dict(zip(("average", "table", "inverse_line", "forward_line", "feature_line", "feature_line_forward"),
-                  (OURS, DARK, PLAIN, INKS["green"], THEIRS, INKS["violet"]), strict=True))  # fmt: skip
+                  (OURS, DARK, PLAIN, CYCLE[2], THEIRS, CYCLE[3]), strict=True))  # fmt: skip
 
 
 def drawn(metrics: Mapping[str, Any]) -> dict[str, Figure]:
@@ -20,6 +21,10 @@ def drawn(metrics: Mapping[str, Any]) -> dict[str, Figure]:
     return found | ({"curve": curve(grown)} if grown else {})
 
 
+@captioned(
+    "Error of everyone on every body: a point for every seed and movement, a bar at their mean. Left of the "
+    "imitator's are what is left of it without parts, then simpler peers."
+)
 def errors(of_bodies: Mapping[str, Any]) -> Figure:
     """Bodies below each other, models beside each other: a point for every seed and clip, a bar at their mean."""
     figure = Figure(figsize=(10, 1 + 1.7 * len(of_bodies)), layout="constrained")
@@ -39,6 +44,7 @@ def errors(of_bodies: Mapping[str, Any]) -> Figure:
     return figure
 
 
+@captioned("Error of imitation after so many body-minutes of babbling, over seeds and movements. The pilot is counted.")
 def curve(of_bodies: Mapping[str, Any]) -> Figure:
     """Error against body-minutes, pilot included: mean over seeds, and from the least to the greatest."""
     figure = Figure(figsize=(5.2 * len(of_bodies), 4.4), layout="constrained")

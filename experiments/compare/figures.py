@@ -3,16 +3,24 @@
 from matplotlib.figure import Figure
 
 from experiments.compare.found import Compared
-from experiments.shared.palette import INKS, OURS
+from experiments.shared.figures import captioned
+from experiments.shared.palette import CYCLE, OURS
 
-COLOURS = (OURS, *(INKS[name] for name in ("green", "violet", "red", "cyan", "yellow", "magenta", "lime")))
+COLOURS = (OURS, *CYCLE[2:])
 """Of runs; blue is the demonstration's."""
 
 
 def figures(done: Compared) -> dict[str, Figure]:
     """File stem -> figure; none where nothing can be drawn."""
-    if not done.errors and not done.headlines:
-        return {}
+    return {"comparison": comparison(done)} if done.errors or done.headlines else {}
+
+
+@captioned(
+    "Error against the sub-goals through time, root mean square of the joints that runs share, and the headline "
+    "numbers of every run. One colour a run, throughout."
+)
+def comparison(done: Compared) -> Figure:
+    """Errors through time; headlines below."""
     count = bool(done.errors) + bool(done.headlines)
     figure = Figure(figsize=(11, 3.4 * count), layout="constrained")
     rows = iter(figure.subfigures(count, 1, squeeze=False)[:, 0])
@@ -31,4 +39,4 @@ def figures(done: Compared) -> dict[str, Figure]:
             axes.set_title(name.replace("_", " "), fontsize=7, wrap=True)
             axes.set_xticks(places, [run.label for run in done.runs], rotation=60, ha="right", fontsize=7)
             axes.tick_params(axis="y", labelsize=7)
-    return {"comparison": figure}
+    return figure

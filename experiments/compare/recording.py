@@ -34,9 +34,9 @@ def layout(done: Compared) -> rrb.Horizontal:
     """Table left; error and joints right."""
     shared = done.tracked[0][2].of(done.joints)
     joints = [
-        rrb.TimeSeriesView(name=f"{joint} [{unit}]", origin=f"/joints/{place}")
+        views.series(f"{joint} [{unit}]", origin=f"/joints/{place}")
         for place, (joint, unit) in enumerate(zip(shared.joints, shared.units, strict=True))
     ]
-    error = rrb.TimeSeriesView(name=f"error, root mean square of all joints [{done.unit}]", origin="/error")
+    error = views.series(f"error, root mean square of all joints [{done.unit}]", origin="/error")
     more = [rrb.Tabs(*joints[SHOWN:], active_tab=0)] if joints[SHOWN:] else []
     return rrb.Horizontal(views.summary(), rrb.Vertical(error, *joints[:SHOWN], *more), column_shares=[1, 1.6])

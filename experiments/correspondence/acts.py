@@ -18,16 +18,21 @@ from models.mirror import Mirror, blurred
 from models.teachers.acts import movable, single_act
 from models.teachers.robots import ROBOTS
 
+POSTURES = 3000
+"""Looked at to know how near a part can come; three joints are then 4 deg apart, or less."""
+
 
 @dataclass(frozen=True)
 class Acts:
     """truth, said: (A,) part numbers, -1 for nothing; errors_deg (A', tries + 1): how far off the right part points,
-    before any try and after each, in acts whose part was identified; parts: names by number."""
+    before any try and after each, in acts whose part was identified; least_deg (A', 2): how near it comes at all, with
+    that part's own joints and with all, by looking at many postures; parts: names by number."""
 
     parts: tuple[str, ...]
     truth: IntArray
     said: IntArray
     errors_deg: FloatArray
+    least_deg: FloatArray
 
     @property
     def rate(self) -> float:
@@ -40,7 +45,8 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
     rng = np.random.default_rng([seed, 17])
     image, mirror = pupil.image, Mirror(pupil.body)
     calm = replace(pupil, noise_deg=pupil.noise_deg / 3)
-    truth, said, errors = [], [], []
+    truth, said, errors, least = [], [], [], []
+    reach = _Reach(pupil, mirror, np.random.default_rng([seed, 20]))
     for number in range(count):
         part, shown = _act(image.parts, number, rng)
         organ = identify(image.organs, pupil.look(shown, rng), pupil.body.tick_s)
@@ -56,8 +62,30 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
             tried = try_again(image, organ.part, eye, image.rest, look, tries, rng)
             shows = mirror.shown(pupil.angles(tried))[:, organ.part]
             errors.append(angles_between(shows, wanted))
+            least.append(reach.least(organ.part, wanted))
     table = np.rad2deg(errors).reshape(-1, tries + 1)
-    return Acts(image.parts, np.array(truth), np.array(said), table)
+    nearest = np.rad2deg(least).reshape(-1, 2)
+    return Acts(image.parts, np.array(truth), np.array(said), table, nearest)
+
+
+class _Reach:
+    """Where parts can point at all: in POSTURES postures drawn evenly from all there are, for those who judge."""
+
+    def __init__(self, pupil: Pupil, mirror: Mirror, rng: np.random.Generator) -> None:
+        self._pupil, self._mirror, self._image = pupil, mirror, pupil.image
+        self._drawn = rng.uniform(pupil.image.low, pupil.image.high, (POSTURES, len(pupil.image.low)))
+        self._own = dict[int, FloatArray]()
+        self._all = mirror.shown(pupil.angles(self._drawn))
+
+    def least(self, part: int, wanted: FloatArray) -> tuple[float, float]:
+        """rad, with the joints that are that part's own and the others at rest, and with all."""
+        if part not in self._own:
+            own = owners(self._image.moves) == part
+            postures = np.where(own, self._drawn, self._image.rest)
+            self._own[part] = self._mirror.shown(self._pupil.angles(postures))[:, part]
+        return float(angles_between(self._own[part], wanted).min()), float(
+            angles_between(self._all[:, part], wanted).min()
+        )
 
 
 def _act(

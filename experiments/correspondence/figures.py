@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from experiments.correspondence.acts import HARDER
 from experiments.correspondence.found import Studied
-from experiments.shared.figures import learning_curve, sweeps
+from experiments.shared.figures import captioned, learning_curve, sweeps
 from experiments.shared.palette import OURS, PLAIN
 
 
@@ -16,7 +16,10 @@ def figures(done: Studied) -> dict[str, Figure]:
         "teachers": teachers(done),
         "learning_curve": mirror_curve(done),
         "tries": tries(done),
-        "harder_acts": sweeps(
+        "harder_acts": captioned(
+            "How often single acts of others were put to the right part as they get harder to see, with 95 % "
+            "intervals over learners, beside simpler rules. Dashed: chance."
+        )(sweeps)(
             {HARDER[name][0]: sweep for name, sweep in done.harder.items()},
             1 / len(done.acts.parts),
             "put to the right part",
@@ -25,6 +28,10 @@ def figures(done: Studied) -> dict[str, Figure]:
     }
 
 
+@captioned(
+    "What each joint's acts tell about where each part points, found in front of a mirror with noisy eyes. "
+    "Dots mark what was taken to move what."
+)
 def structure(done: Studied) -> Figure:
     """What each joint tells about each part, with noisy eyes."""
     organs, body = done.noisy.image.organs, done.noisy.body
@@ -43,6 +50,10 @@ def structure(done: Studied) -> Figure:
     return figure
 
 
+@captioned(
+    "How far the imitator's limbs would point beside each teacher's where it can reach them, learned in a "
+    "mirror and by inverse kinematics. The mark is what was asked for."
+)
 def teachers(done: Studied) -> Figure:
     """Error of every teacher: oracle, clean eyes, noisy eyes."""
     names = [row.label for row in done.rows.values()]
@@ -64,6 +75,10 @@ def teachers(done: Studied) -> Figure:
     return figure
 
 
+@captioned(
+    "Error of the learned correspondence against body time in front of the mirror, with clean and with noisy "
+    "eyes. The dashed line is inverse kinematics, which knows the body."
+)
 def mirror_curve(done: Studied) -> Figure:
     """Error against body time in front of the mirror."""
     minutes, clean, noisy = done.curve.T
@@ -79,6 +94,10 @@ def mirror_curve(done: Studied) -> Figure:
     return figure
 
 
+@captioned(
+    "First which part: single acts of others by the part that was taken to have moved. Then how: error of "
+    "one's own act from try to try, median and 80 per cent of acts."
+)
 def tries(done: Studied) -> Figure:
     """First the right part, then the right way to move it."""
     figure = Figure(figsize=(10.5, 4.4), layout="constrained")

@@ -40,8 +40,8 @@ def layout() -> rrb.Horizontal:
     return views.beside(
         views.world("teacher, imitator, and where their parts point", (1.2, 0.75, 0.75), (0.0, 0.28, 0.52)),
         rrb.StateTimelineView(name="which part moves", origin="/organ", contents=["/organ/identified"]),
-        rrb.TimeSeriesView(name="P(part moves)", origin="/organ/probability"),
-        rrb.TimeSeriesView(name="limb-direction error [deg]", origin="/error"),
+        views.series("P(part moves)", origin="/organ/probability"),
+        views.series("limb-direction error [deg]", origin="/error"),
         rrb.Spatial2DView(name="what moves what (part by factor)", origin="/structure"),
         row_shares=[0.6, 1, 1, 1],
         stage_share=2.2,
@@ -82,7 +82,7 @@ def _log_organ(stream: rr.RecordingStream, done: Studied) -> None:
     log_states(stream, "organ/identified", dict.fromkeys(names), labels, tick, window)
     probability = np.stack([organ.probability for organ in found])
     often = np.argsort(-probability.mean(0))[:5]
-    for place, colour in zip(often, SERIES, strict=True):
+    for place, colour in zip(often, SERIES, strict=False):
         series = np.concatenate([np.zeros(window), probability[:, place]])
         log_series(stream, f"organ/probability/{names[place]}", series, tick, names[place], colour)
     for label, who, colour in (("clean eyes", row.clean, IMITATED), ("noisy eyes", row.noisy, DEMONSTRATED)):

@@ -153,6 +153,10 @@ def measure(done: Studied) -> dict[str, Any]:
         "organ_harder": {name: sweep.numbers() for name, sweep in done.harder.items()},
         "first_try_error_deg": float(np.median(acts.errors_deg[:, 1])),
         "last_try_error_deg": float(np.median(acts.errors_deg[:, -1])),
+        "last_try_error_q75_deg": float(np.quantile(acts.errors_deg[:, -1], 0.75)),
+        "least_error_own_joints_q75_deg": float(np.quantile(acts.least_deg[:, 0], 0.75)),
+        "least_error_all_joints_q75_deg": float(np.quantile(acts.least_deg[:, 1], 0.75)),
+        "try_error_beyond_least_deg": float(np.median(np.maximum(acts.errors_deg[:, -1] - acts.least_deg[:, 0], 0))),
         "hidden_error_ratio": hidden[:, 0].max() if len(hidden) else 1.0,
         "hidden_worst_speed": hidden[:, 1].max(initial=0.0),
         "curve_body_minutes": minutes,
@@ -185,6 +189,9 @@ def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
         f"Fastest sub-goals (99.9 %): {metrics['sub_goal_speed_q999']:.2f} rad/s. "
         f"One frame, all limbs: {metrics['correspond_p50_ms']:.2f} ms. A part hidden for a second: error x "
         f"{metrics['hidden_error_ratio']:.2f} at worst. Single acts: {metrics['first_try_error_deg']:.1f} deg at the "
-        f"first try, {metrics['last_try_error_deg']:.1f} deg at the last.\n\n"
+        f"first try, {metrics['last_try_error_deg']:.1f} deg at the last (medians); a quarter stays above "
+        f"{metrics['last_try_error_q75_deg']:.1f} deg, where the part's own joints come no nearer than "
+        f"{metrics['least_error_own_joints_q75_deg']:.1f} deg for a quarter, and all joints than "
+        f"{metrics['least_error_all_joints_q75_deg']:.1f}.\n\n"
         f"{table(harder, ('acts harder by', 'Eq. (1), from easy to hard', *(f'points beyond {r}' for r in RULES[1:])))}"
     )

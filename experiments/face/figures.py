@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from experiments.face.power_figure import power_figure
 from experiments.face.study import Studied
 from experiments.face.theories import GESTURES, LABELS, SAID
+from experiments.shared.figures import captioned
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 LEAST = 0.004
@@ -20,6 +21,10 @@ def study_figures(found: Studied, m: dict[str, Any]) -> dict[str, Figure]:
     return {"imitated": imitated(m), "power": power_figure(found.powers)}
 
 
+@captioned(
+    "What infants who never saw their own face did of what they were shown (per cent, strong acts above weak "
+    "ones), how tries converge, and how soon they know whose organ moves. Bands are quartiles over looks."
+)
 def imitated(m: dict[str, Any]) -> Figure:
     """What was done of what was shown; how tries converge; how the organ is found while an act goes on."""
     figure = Figure(figsize=(13.5, 4.6), layout="constrained")

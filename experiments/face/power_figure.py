@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.face.scores import LEVEL, SCORES, Powers
+from experiments.shared.figures import captioned
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 APART = 0.19
@@ -12,6 +13,10 @@ FAINTEST = 0.25
 """Opacity of the least imitation; the most is opaque."""
 
 
+@captioned(
+    "How often each published score is significant in samples of so many infants: where a share of acts is "
+    "imitation (orange), and where nobody imitates (blue). Intervals are 95 % over samples."
+)
 def power_figure(found: Powers) -> Figure:
     """Scores by infants a sample: how often each is significant where a share w of acts is imitation, and where none
     is, with 95 % intervals."""

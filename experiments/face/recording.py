@@ -13,7 +13,7 @@ from experiments.face.judging import WHOSE
 from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_eyes
-from experiments.shared.palette import DEMONSTRATED, IMITATED, INKS, light
+from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import log_body, log_series, log_states, recording
 from imitation.seeing.face_marks import POINTS
 from imitation.seeing.face_template import appear
@@ -39,13 +39,12 @@ def record(path: Path, done: Done, summary: str) -> None:
 
 def layout(done: Done) -> rrb.Horizontal:
     """Faces and eyes left; beliefs and relations right."""
-    chance = rrb.ScalarAxis(range=(0.0, 1.05))
-    eyes = [views.eyes()] if done.watched is not None else []
+    eyes = [views.eyes(done.watched.images[0][0])] if done.watched is not None else []
     return views.beside(
         views.world("the infant (left) and who is watched", (0.17, -0.6, 0.14), (0.17, 0.0, -0.01)),
         *eyes,
-        rrb.TimeSeriesView(name="P(organ that moves | seen)", origin="/organ", axis_y=chance),
-        rrb.TimeSeriesView(name="relations: seen, then felt", origin="/relations"),
+        views.series("P(organ that moves | seen)", origin="/organ", within=views.CHANCE),
+        views.series("relations: seen, then felt", origin="/relations"),
         rrb.StateTimelineView(name="what is done", origin="/doing"),
         row_shares=[1.3, *([0.9] if eyes else []), 0.8, 1.0, 0.5],
         stage_share=2.0,
@@ -69,7 +68,7 @@ def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> in
     )
     there, thought = ((each[..., :-1].reshape(shape) + centre).swapaxes(1, 2) for each in (watched.numbers, expected))
     log_eyes(stream, watched.images, TICK_S, there, thought, (1.2, 2.6))
-    colours = [IMITATED, *(light(ink) for ink in list(INKS.values())[: len(WHOSE) - 2]), (150, 150, 150)]
+    colours = [*SERIES[: len(WHOSE) - 1], REPLAYED]
     for name, colour, belief in zip(WHOSE, colours, watched.organs.T, strict=True):
         log_series(stream, f"organ/{name}", np.pad(belief, (0, after), mode="edge"), TICK_S, name, colour)
     _log_relations(stream, "seen", watched.relations, 0)
@@ -109,10 +108,9 @@ def _log_relations(
     stream: rr.RecordingStream, kind: str, values: FloatArray, begin: int, some: list[int] | None = None
 ) -> None:
     """(T, 8) from tick `begin` on, one line each; what is seen and what is felt share colour and axis."""
-    colours = [IMITATED, *(light(ink) for ink in INKS.values())]
     blank = np.full((begin, values.shape[1]), np.nan)
     whole = np.concatenate([blank, values])
     width = {"seen": 2.0, "felt": 2.0, "target": 1.0}[kind]
     for k in SHOWN if some is None else some:
         label = f"{RELATIONS[k]}, {kind}"
-        log_series(stream, f"relations/{kind}_{RELATIONS[k]}", whole[:, k], TICK_S, label, colours[k], width)
+        log_series(stream, f"relations/{kind}_{RELATIONS[k]}", whole[:, k], TICK_S, label, SERIES[k], width)

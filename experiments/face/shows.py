@@ -8,9 +8,14 @@ from matplotlib.figure import Figure
 from babbling.relations import RELATIONS
 from experiments.face.judging import MAIN, WHOSE
 from experiments.face.once import TICK_S, Done
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.figures import captioned
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 
+@captioned(
+    "What one infant saw at the end, whose organ it took to move, frame by frame, and its tries: as it felt "
+    "them and as they were, beside the target that it saw."
+)
 def demo_figure(done: Done, m: dict[str, Any]) -> Figure:
     """What was seen and which organ it seemed to be, frame by frame; then tries, as felt and as they were."""
     figure = Figure(figsize=(12.5, 4.0), layout="constrained")
@@ -21,7 +26,7 @@ def demo_figure(done: Done, m: dict[str, Any]) -> Figure:
         image.imshow(watched.images[-1][0])
         image.set_title("what its left eye saw at the end", fontsize=9)
         time = 1e3 * TICK_S * np.arange(len(watched.organs))
-        inks = [OURS, *list(INKS.values())[: len(WHOSE) - 2], PLAIN]
+        inks = [*CYCLE[: len(WHOSE) - 1], PLAIN]
         for name, ink, belief in zip(WHOSE, inks, watched.organs.T, strict=True):
             organ.plot(time, belief, color=ink, label=name, lw=2 if belief[-1] > 0.5 else 1)
         organ.set(xlabel="time [ms]", ylabel="P(organ that moves | seen)", ylim=(-0.02, 1.02))

@@ -10,9 +10,9 @@ from babbling.axes import FloatArray
 from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Following
 from experiments.gaze.trials import TOYS
-from experiments.shared.figures import rates, sweeps
+from experiments.shared.figures import captioned, rates, sweeps
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import INKS, PLAIN
+from experiments.shared.palette import BALLS, PLAIN
 
 
 def figures(found: Found) -> dict[str, Figure]:
@@ -25,10 +25,17 @@ def figures(found: Found) -> dict[str, Figure]:
     if found.crowds is not None:
         aim = f"a head that points at it within {found.who.config.aim_deg:g} deg (standard deviation, each axis)"
         caption = f"Which of four beads is looked at? {aim}, and how it differs from what a reader expects"
-        drawn["crowds"] = sweeps(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at", caption)
+        told = "How often the bead that a teacher looks at was taken among four that lie close, with 95 % intervals "
+        told += "over learners, beside readers that expect something else of the teacher. Dashed: chance."
+        draw = captioned(told)(sweeps)
+        drawn["crowds"] = draw(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at", caption)
     return drawn
 
 
+@captioned(
+    "Which toy does the teacher look at? The posterior over toys while the head turns, and the head's way "
+    "beside how one's own head would look at each."
+)
 def episode(one: Following) -> Figure:
     """P(object) through time, the teacher's head on its way, and the poses expected "like me"."""
     figure = Figure(figsize=(11, 4.6), layout="constrained")
@@ -37,7 +44,7 @@ def episode(one: Following) -> Figure:
     time = np.arange(watched) * FRAME_S
     for k, name in enumerate(one.names):
         mark = " (looked at)" if k == one.target else ""
-        belief.plot(time, one.probability[:watched, k], color=INKS[name], lw=2.2, label=name + mark)
+        belief.plot(time, one.probability[:watched, k], color=BALLS[name], lw=2.2, label=name + mark)
     belief.set(
         xlabel="s", ylabel="P(object | pose of the head)", ylim=(-0.02, 1.05), title="Eq. (2) while the head turns"
     )
@@ -45,7 +52,7 @@ def episode(one: Following) -> Figure:
     poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
     poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
     for name, pose in zip(one.names, np.rad2deg(one.expected), strict=True):
-        poses.plot(*pose, "o", color=INKS[name], ms=11, label=name)
+        poses.plot(*pose, "o", color=BALLS[name], ms=11, label=name)
     poses.invert_yaxis()
     poses.invert_xaxis()
     poses.margins(0.15)
@@ -54,6 +61,10 @@ def episode(one: Following) -> Figure:
     return figure
 
 
+@captioned(
+    "How often the most probable toy was right, against how probable it was said to be; intervals are exact "
+    "(95 %). On the diagonal, beliefs are worth what they say."
+)
 def calibration(bins: FloatArray, error: float) -> Figure:
     """How often the most probable object was right, against how probable it was."""
     sure, right, count = bins[bins[:, 2] > 0].T
@@ -65,6 +76,10 @@ def calibration(bins: FloatArray, error: float) -> Figure:
     return figure
 
 
+@captioned(
+    "How often the imitator looks where the head of a teacher with covered eyes points, by its age and what "
+    "it has worn itself; intervals are exact (95 %)."
+)
 def covered(result: dict[str, Any]) -> Figure:
     """Following of teachers with covered eyes, by age and own experience."""
     names = [fill(name, 10) for name in result["rates"]]

@@ -8,7 +8,7 @@ import rerun.blueprint as rrb
 from experiments.gaze.scene import FRAME_S, Following
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_events, log_eyes, log_head, log_stage
-from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, INKS, light
+from experiments.shared.palette import BALLS, DEMONSTRATED, ESTIMATED, IMITATED, light
 from experiments.shared.recording import log_series, recording
 from models.robots import head_of
 
@@ -19,7 +19,7 @@ def record(path: Path, robot: str, one: Following, summary: str, seed: int) -> N
         log_eyes(stream, one.images, FRAME_S, one.found, one.predicted)
         log_stage(stream, one.seen, FRAME_S)
         for k, name in enumerate(one.names):
-            log_series(stream, f"belief/{name}", one.probability[:, k], FRAME_S, f"P({name})", light(INKS[name]), 3.0)
+            log_series(stream, f"belief/{name}", one.probability[:, k], FRAME_S, f"P({name})", light(BALLS[name]), 3.0)
         log_head(stream, "demonstrated", one.teacher, FRAME_S, DEMONSTRATED, "the teacher's", 4.0)
         log_head(stream, "estimated", one.estimated[np.isfinite(one.estimated[:, 0])], FRAME_S, ESTIMATED)
         log_head(stream, "imitated", one.own, FRAME_S, IMITATED, "ours")
@@ -32,8 +32,8 @@ def _layout(robot: str, one: Following) -> rrb.Horizontal:
         views.world(
             f"the teacher looks at {one.names[one.target]}", (0.15, -1.1, height + 0.85), (0.47, 0.0, height + 0.05)
         ),
-        views.eyes(),
-        rrb.TimeSeriesView(name="P(object | head)", origin="/belief"),
+        views.eyes(one.images[0][0]),
+        views.series("P(object | head)", origin="/belief"),
         rrb.Horizontal(*views.head_angles()),
         rrb.TextLogView(name="what happens", origin="/events"),
         row_shares=[1.5, 1, 0.9, 0.7],

@@ -1,68 +1,98 @@
 """Figures of `imitate gesture`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
+from babbling.axes import FloatArray
 from babbling.explanations import EXPLANATIONS
 from experiments.gesture.found import Performed
-from experiments.shared.figures import learning_curve
+from experiments.shared.figures import captioned, learning_curve
 from experiments.shared.judging import LearningCurve
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
+
+REACH = 6.0
+"""Standard deviations to either side of where a posterior lies."""
 
 
-def figures(done: Performed, metrics: Mapping[str, float]) -> dict[str, Figure]:
+def figures(done: Performed, metrics: Mapping[str, Any]) -> dict[str, Figure]:
     """File stem -> figure."""
-    made = {"imitation": imitation(done, metrics), "body_schema": body_schema(done), "explanations": explanations(done)}
+    made = {"imitation": imitation(done, metrics), "ringing": ringing(done), "beliefs": beliefs(done)}
+    made |= {"body_schema": body_schema(done), "explanations": explanations(done)}
     if done.learned.curve is not None:
         made["learning_curve"] = babbling_curve(done.learned.curve)
     return made
 
 
-def imitation(done: Performed, metrics: Mapping[str, float]) -> Figure:
-    """Limb directions against the teacher's; the joints that move most: sub-goals, imitated, replayed, and errors."""
-    chosen = done.busiest[:4]
-    time = np.arange(len(done.seen.angles)) * done.body.tick_s
-    figure = Figure(figsize=(11, 9), layout="constrained")
+@captioned(
+    "What every joint missed of its sub-goals, worst on top, and all of them through time (band: from the "
+    "best to the worst attempt). Where a teacher was watched, below: how far the limbs point beside the "
+    "teacher's, and the least that this body's joints allow."
+)
+def imitation(done: Performed, metrics: Mapping[str, Any]) -> Figure:
+    """Error of every joint beside its peers'; of all joints through time, attempt by attempt; and of the limbs."""
+    limbs_too = done.seen.oracle is not None
+    figure = Figure(figsize=(12, 3 + 0.17 * max(len(done.body.joints), 20) + 3 * limbs_too), layout="constrained")
     below: Figure | SubFigure = figure
-    if done.seen.oracle is not None:
-        top, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1, 3))[:, 0]
-        limbs(top, done, done.seen.oracle.found.parts)
-    axes = below.subplots(len(chosen), 2, sharex=True, width_ratios=(1.5, 1), squeeze=False)
-    for (left, right), joint in zip(axes, chosen, strict=True):
-        wanted, scale = done.body.shown_scale[joint] * done.seen.angles[:, joint], done.body.shown_scale[joint]
-        for values, colour, label, width in (
-            (scale * done.replayed[:, joint], PLAIN, "replayed", 1.0),
-            (wanted, THEIRS, "sub-goals", 2.6),
-            (scale * done.imitated[:, joint], OURS, "imitated", 1.1),
-        ):
-            left.plot(time, values, color=colour, label=label, lw=width)
-            if label != "sub-goals":
-                right.plot(time, values - wanted, color=colour, lw=0.9)
-        left.set_ylabel(f"{done.body.joints[joint]}\n[{done.body.shown_units[joint]}]", fontsize=8)
-        right.axhline(0, color="black", lw=0.4)
-    axes[0, 0].legend(frameon=False, ncols=3, fontsize=8)
-    axes[0, 0].set_title(f"{done.seen.movement.name}: joint angles")
-    axes[0, 1].set_title(f"error [{' or '.join(sorted({*done.body.shown_units}))}]")
-    for axis in axes[-1]:
-        axis.set_xlabel("time [s]")
-    told = "RMSE of all joints against sub-goals: " + "; ".join(
-        f"imitated {metrics[f'joint_rmse_{shown}']:.3f} {shown}, "
-        f"direct replay {metrics[f'direct_replay_rmse_{shown}']:.3f} {shown}"
-        for shown in sorted({*done.body.shown_units})
+    if limbs_too:
+        below, last = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.9, 1))[:, 0]
+        limbs(last, done)
+    left, right = below.subplots(1, 2, width_ratios=(1, 1.25))
+    by_joint(left, done)
+    through_time(right, done)
+    units = sorted({*done.body.shown_units})
+    told = "; ".join(
+        f"imitated {metrics[f'joint_rmse_{unit}']:.3g} {unit}, direct replay "
+        f"{metrics[f'direct_replay_rmse_{unit}']:.3g} {unit}"
+        for unit in units
     )
-    if done.seen.oracle is not None:
-        told = (
-            f"limb directions off by {metrics['limb_error_deg']:.2f} deg, where this body's joints allow no less than "
-            f"{metrics['limb_reachable_deg']:.2f}; slowed {metrics['slowed_factor']:.2f} times\n{told}"
-        )
-    figure.suptitle(told, fontsize=11)
+    figure.suptitle(f"{done.title}: root mean square of all joints, {told}", fontsize=11)
     return figure
 
 
-def limbs(figure: SubFigure, done: Performed, parts: Sequence[str]) -> None:
+def by_joint(axes: Axes, done: Performed) -> None:
+    """Root mean square error of each joint, the worst of them on top."""
+    scale, wanted = done.body.shown_scale, done.seen.angles
+    whose = {"direct replay": (done.replayed, PLAIN, "s"), "a line, same loop": (done.peer.truth[:, 0], DARK, "|")}
+    whose["imitated"] = (done.imitated, OURS, "o")
+    errors = {who: np.sqrt(np.mean((scale * (angles - wanted)) ** 2, 0)) for who, (angles, _, _) in whose.items()}
+    order = np.argsort(errors["imitated"])
+    rows = np.arange(len(order))
+    axes.hlines(rows, errors["imitated"][order], errors["direct replay"][order], color="#cccccc", lw=1.5, zorder=0)
+    for who, (_, ink, mark) in whose.items():
+        axes.scatter(errors[who][order], rows, color=ink, marker=mark, s=26, label=who)
+    axes.set_yticks(rows, [done.body.joints[j].replace("_", " ") for j in order], fontsize=7)
+    axes.set(xscale="log", xlabel=f"root mean square error [{_units(done)}]", ylim=(-1, len(rows)))
+    axes.grid(alpha=0.25, axis="x")
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+
+
+def through_time(axes: Axes, done: Performed) -> None:
+    """Root mean square over joints at every tick; the band is from the least to the greatest of all attempts."""
+    time, scale = np.arange(len(done.seen.angles)) * done.body.tick_s, done.body.shown_scale
+
+    def away(angles: FloatArray) -> FloatArray:
+        return np.asarray(np.sqrt(np.mean((scale * (angles - done.seen.angles[: len(angles)])) ** 2, 1)))
+
+    axes.plot(time, away(done.replayed), color=PLAIN, lw=1.2, label="direct replay")
+    axes.plot(time, away(done.peer.truth[:, 0]), color=DARK, lw=1, ls=":", label="a line, same loop")
+    tries = [away(attempt.truth[:, 0]) for attempt in done.attempts]
+    if len(tries) > 1:
+        whole = np.stack([one for one in tries if len(one) == len(time)])
+        axes.fill_between(time, whole.min(0), whole.max(0), color=OURS, alpha=0.25, lw=0, label="all attempts")
+    axes.plot(time[: len(tries[-1])], tries[-1], color=OURS, lw=1.4, label=f"imitated, attempt {len(tries)}")
+    axes.set(yscale="log", xlabel="time [s]", ylabel=f"error of all joints, root mean square [{_units(done)}]")
+    axes.grid(alpha=0.25)
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
+
+
+def limbs(figure: SubFigure, done: Performed) -> None:
     """How far off the teacher's the limbs point: through time, and part by part."""
+    assert done.seen.oracle is not None
+    parts = done.seen.oracle.found.parts
     left, right = figure.subplots(1, 2, width_ratios=(1.5, 1))
     time = np.arange(len(done.imitated)) * done.body.tick_s
     shown = {"replayed": PLAIN, "imitated": OURS, "least": DARK}
@@ -70,18 +100,123 @@ def limbs(figure: SubFigure, done: Performed, parts: Sequence[str]) -> None:
         error = done.limb_errors_deg[who]
         left.plot(time, error.mean(1), color=colour, label=who.replace("least", "the joints' limit"), lw=1.1)
         right.bar(np.arange(error.shape[1]) + 0.27 * (number - 1), error.mean(0), 0.27, color=colour)
-    left.set_title("limb directions off the teacher's [deg]")
-    left.legend(frameon=False, ncols=3, fontsize=8)
+    left.set(xlabel="time [s]", ylabel="mean of parts [deg]", title="limb directions off the teacher's")
+    left.legend(frameon=False, ncols=3, fontsize=8, loc="upper right")
     right.set_xticks(range(len(parts)), [part.replace("_", " ") for part in parts], rotation=90, fontsize=6)
+    right.set_ylabel("mean of frames [deg]")
 
 
+@captioned(
+    "Amplitude spectra of the joints' errors over the whole movement (Hann window). A body that chatters has "
+    "a hump near half of the control rate, which a root mean square over time hides."
+)
+def ringing(done: Performed) -> Figure:
+    """Amplitude spectrum of every joint's error: what shakes stands out on the right."""
+    figure = Figure(figsize=(8, 4.4), layout="constrained")
+    axes = figure.subplots()
+    count, scale = len(done.imitated), done.body.shown_scale
+    window = np.hanning(count)[:, None]
+    hertz = np.fft.rfftfreq(count, done.body.tick_s)
+    for who, angles, ink in (("direct replay", done.replayed, PLAIN), ("imitated", done.imitated, OURS)):
+        error = scale * (angles - done.seen.angles[: len(angles)])
+        height = 2 * np.abs(np.fft.rfft((error - error.mean(0)) * window, axis=0)) / window.sum()
+        axes.plot(hertz[1:], np.median(height, 1)[1:], color=ink, lw=1.2, label=f"{who}, median of joints")
+        axes.plot(
+            hertz[1:], height.max(1)[1:], color=ink, lw=0.9, ls=":", label=f"{who}, worst joint at each frequency"
+        )
+    axes.set(xlabel="frequency [Hz]", ylabel=f"amplitude of the error [{_units(done)}]", yscale="log")
+    axes.set_title(f"{done.title}: does it shake?")
+    axes.grid(alpha=0.25)
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    return figure
+
+
+@captioned(
+    "How sure every joint was of its next command, how likely its sub-goal was at all, and how often babbling "
+    "had been in the row that was chosen (0: never tried), at every tick of the last attempt."
+)
+def beliefs(done: Performed) -> Figure:
+    """Entropy and evidence of Eq. (1) and what was never tried, of every joint at every tick of the last attempt."""
+    last, order = done.attempts[-1], done.factors
+    evidence = np.log10(np.maximum(last.evidence[:, 0], 1e-30))
+    maps = {
+        "entropy of P(action) [bit]": (last.entropy[:, 0], "magma"),
+        "evidence of Eq. (1) [log10]": (evidence, "viridis"),
+        "visits of the chosen row [log10(1 + n)]": (np.log10(1 + last.familiarity), "cividis"),
+    }
+    rows, names = np.flatnonzero(order >= 0), [joint.replace("_", " ") for joint in done.body.joints]
+    figure = Figure(figsize=(12, 1.6 + 0.13 * max(len(rows), 12)), layout="constrained")
+    end = len(last.entropy) * done.body.tick_s
+    for axes, (title, (values, colours)) in zip(figure.subplots(1, 3, sharey=True), maps.items(), strict=True):
+        shown = values[:, order[rows]].T
+        picture = axes.imshow(
+            shown, aspect="auto", cmap=colours, extent=(0, end, len(rows) - 0.5, -0.5), interpolation="nearest"
+        )
+        axes.set(xlabel="time [s]")
+        axes.set_title(title, fontsize=9)
+        figure.colorbar(picture, ax=axes, pad=0.01)
+    figure.axes[0].set_yticks(range(len(rows)), [names[j] for j in rows], fontsize=6)
+    return figure
+
+
+def posterior(done: Performed, joint: int) -> Figure:
+    """P(command | sub-goal) of a joint through time, by how far beside its sub-goal one commands."""
+    places, mass = beside_target(done, joint)
+    end, unit = len(mass) * done.body.tick_s, done.body.shown_units[joint]
+    figure = Figure(figsize=(7.5, 3), layout="constrained")
+    axes = figure.subplots()
+    axes.imshow(mass.T**0.5, origin="lower", aspect="auto", cmap="magma", extent=(0, end, places[0], places[-1]))
+    time = np.arange(len(mass)) * done.body.tick_s
+    axes.plot(time, chosen_beside(done, joint), color=OURS, lw=0.7, label="chosen command")
+    axes.axhline(0, color=THEIRS, lw=1, label="sub-goal")
+    axes.set(xlabel="time [s]", ylabel=f"command less sub-goal [{unit}]", ylim=(places[0], places[-1]))
+    axes.legend(fontsize=7, loc="upper right", facecolor="black", labelcolor="white", framealpha=0.6)
+    return figure
+
+
+def chosen_beside(done: Performed, joint: int) -> FloatArray:
+    """(T,) commanded posture less the sub-goal it serves, in what people read."""
+    last, factor = done.attempts[-1], done.factors[joint]
+    return np.asarray(done.body.shown_scale[joint] * (last.commands[:, 0, factor] - _served(done, joint)))
+
+
+def beside_target(done: Performed, joint: int, bars: int = 121) -> tuple[FloatArray, FloatArray]:
+    """(bars,) how far beside the sub-goal, and (T, bars) the probability mass of Eq. (1) there."""
+    last, factor, scale = done.attempts[-1], done.factors[joint], done.body.shown_scale[joint]
+    origin = last.origin[:, 0, factor] - _served(done, joint)
+    away = scale * (last.candidates[:, factor] + origin[:, None])
+    chance = last.posterior[:, factor]
+    middle = (away * chance).sum(1)
+    spread = np.sqrt((chance * (away - middle[:, None]) ** 2).sum(1))
+    reach = float(max(np.abs(middle).max(), np.abs(chosen_beside(done, joint)).max()) + REACH * np.median(spread))
+    places = np.linspace(-reach, reach, bars)
+    density = chance / np.gradient(away, axis=1)
+    mass = np.stack([np.interp(places, *tick, left=0, right=0) for tick in zip(away, density, strict=True)])
+    return places, np.asarray(mass / np.maximum(mass.sum(1, keepdims=True), 1e-300))
+
+
+def _served(done: Performed, joint: int) -> FloatArray:
+    """(T,) the sub-goal that a command of tick t is for: the one after it."""
+    count = len(done.attempts[-1].commands)
+    ahead = np.minimum(np.arange(count) + 1, len(done.seen.angles) - 1)
+    return np.asarray(done.seen.angles[ahead, joint])
+
+
+def _units(done: Performed) -> str:
+    return " or ".join(sorted({*done.body.shown_units}))
+
+
+@captioned(
+    "What babbling made of every joint: the probability of five rival explanations of its movements, given "
+    "what was felt. Eq. (1) asks all of them, each as much as it is believed."
+)
 def explanations(done: Performed) -> Figure:
     """How probable each explanation of each joint's movements has become."""
     weights = done.learned.mind.forward_model.weights[done.factors]
     figure = Figure(figsize=(11, 3.8), layout="constrained")
     axis = figure.subplots()
     below = np.zeros(len(weights))
-    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, INKS["green"], OURS), weights.T, strict=True):
+    for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, CYCLE[2], OURS), weights.T, strict=True):
         axis.bar(range(len(share)), share, bottom=below, color=colour, label=name)
         below += share
     axis.set_xticks(
@@ -93,6 +228,10 @@ def explanations(done: Performed) -> Figure:
     return figure
 
 
+@captioned(
+    "Mutual information of every motor line and every sense line, found by moving. The brightest cell of a "
+    "row is the sense that its motor moves; names are for people, the imitator knows numbers only."
+)
 def body_schema(done: Performed) -> Figure:
     """Mutual information of every motor line and every sense line."""
     information = done.learned.mind.pilot.schema.information
@@ -108,6 +247,10 @@ def body_schema(done: Performed) -> Figure:
     return figure
 
 
+@captioned(
+    "Error of predicting the posture one tick ahead, on babbling that was held out, against body time. The "
+    "line is the least-squares fit of the same experience: where both meet, tables add nothing."
+)
 def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
     """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
     return learning_curve(

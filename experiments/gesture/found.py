@@ -88,3 +88,10 @@ class Performed:
         """Joints by how much they move, most first; beside slides, by shares of their ranges."""
         span = np.ptp(self.body.joint_range, axis=1) if "m" in self.body.units else 1.0
         return np.argsort(-self.seen.angles.std(0) / span, kind="stable")
+
+    @property
+    def worst(self) -> list[int]:
+        """Joints that babbling found, by their error in the last attempt, greatest first; hinges before slides."""
+        error = np.sqrt(np.mean((self.imitated - self.seen.angles) ** 2, axis=0))
+        order = np.lexsort((-error, np.array(self.body.units) != "rad"))
+        return [int(j) for j in order if self.factors[j] >= 0]

@@ -1,80 +1,86 @@
 """The recording of `imitate gesture`: teacher and imitator side by side, and every belief on the way."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from matplotlib.figure import Figure
 
-from babbling.axes import FloatArray
+from experiments.gesture.figures import beside_target, chosen_beside, posterior
 from experiments.gesture.found import Performed
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, REPLAYED, SERIES
-from experiments.shared.recording import (
-    heat_map,
-    log_bars,
-    log_body,
-    log_picture,
-    log_series,
-    recording,
-)
+from experiments.shared.palette import DEMONSTRATED, EARLIER, ESTIMATED, IMITATED, REPLAYED, SERIES
+from experiments.shared.recording import log_bars, log_body, log_figure, log_series, recording
 from experiments.shared.side_by_side import Stage, log_imitator, log_teacher
 from models.shapes import parts
 
-SHOWN = 3
-"""Joints that move most, whose beliefs are shown."""
-REACH = 6.0
-"""Standard deviations to either side of the chosen action."""
+SHOWN = 4
+"""Joints that err most, whose loops are shown."""
 
 
-def record(path: Path, done: Performed, summary: str) -> None:
+def record(path: Path, done: Performed, summary: str, made: Mapping[str, Figure]) -> None:
     """Write the recording."""
-    joints = [done.body.joints[j] for j in done.busiest[:SHOWN]]
     model, ticks = done.body.model, len(done.imitated)
     # one body in both places: its meshes are made once
-    poses = [done.imitated, done.seen.angles] if done.seen.teacher is None else [done.imitated]
-    whole = parts(model, np.concatenate([done.body.configurations(angles) for angles in poses]))
-    imitator, shown = ([part.during(some) for part in whole] for some in (slice(ticks), slice(ticks, None)))
-    stage = Stage.of(imitator, shown if done.seen.teacher is None else ())
-    shows = layout(joints, bool(done.limb_errors_deg), stage)
-    with recording(path, "imitate-gesture", done.title, shows, summary) as stream:
+    whole = parts(model, np.concatenate([done.body.configurations(x) for x in (done.imitated, done.seen.angles)]))
+    imitator, aims = ([part.during(some) for part in whole] for some in (slice(ticks), slice(ticks, None)))
+    given = done.seen.teacher is None
+    stage, shown = Stage.of(imitator, aims if given else ()), done.worst[:SHOWN]
+    with recording(path, "imitate-gesture", done.title, layout(done, shown, stage), summary) as stream:
         log_imitator(stream, imitator, done.body.tick_s, stage.aside)
+        log_body(stream, "world/sub-goals", aims, done.body.tick_s, tint=DEMONSTRATED, ghost=True)
         if done.seen.teacher is None:
-            log_body(stream, "world/teacher", shown, done.body.tick_s, offset=(0, stage.aside, 0), tint=DEMONSTRATED)
+            log_body(stream, "world/teacher", aims, done.body.tick_s, offset=(0, stage.aside, 0), tint=DEMONSTRATED)
         else:
             log_teacher(stream, done.seen.teacher, len(done.seen.angles), done.body.tick_s, stage.aside, stage.height)
         _log_joints(stream, done)
-        _log_beliefs(stream, done)
-        _log_babbling(stream, done)
+        for joint in shown:
+            _log_loop(stream, done, joint)
+        for name in ("beliefs", "body_schema", "explanations", "ringing"):
+            log_figure(stream, f"figures/{name}", made[name])
 
 
-def layout(joints: list[str], limbs: bool, stage: Stage) -> rrb.Horizontal:
-    """3D left; limb directions if a teacher showed them, joint angles, posterior, correction right; summary."""
-    angles = [rrb.TimeSeriesView(name=joint, origin=f"/joints/{joint}") for joint in joints[:2]]
-    if limbs:
-        angles[1:] = [rrb.TimeSeriesView(name="limb directions off the teacher's [deg]", origin="/limbs")]
-        angles.reverse()
-    angles.append(rrb.TimeSeriesView(name="error, all joints", contents=["/error/**"]))
-    beliefs = [
-        rrb.BarChartView(name=f"P(action), {joints[0]}, about the chosen", origin=f"/belief/{joints[0]}/posterior"),
-        rrb.TimeSeriesView(name="felt bias", origin="/correction"),
+def layout(done: Performed, shown: Sequence[int], stage: Stage) -> rrb.Horizontal:
+    """3D left; what it missed by, the loop of Figure 9 for the joints that err most, Eq. (1), all beliefs right."""
+    joints, units = [done.body.joints[j] for j in shown], [done.body.shown_units[j] for j in shown]
+    whole = " or ".join(sorted({*done.body.shown_units}))
+    loops = [
+        rrb.Horizontal(
+            views.series(f"{joint} [{unit}]", origin=f"/joints/{joint}"),
+            views.series(f"the loop of Figure 9: off its sub-goal [{unit}]", origin=f"/loop/{joint}"),
+            name=joint,
+        )
+        for joint, unit in zip(joints, units, strict=True)
+    ]
+    choices = [
+        rrb.Horizontal(
+            views.bars(f"Eq. (1) now: P(command less sub-goal [{unit}]); line: chosen", f"/belief/{joint}/now"),
+            rrb.Spatial2DView(name="the same through time", origin=f"/belief/{joint}/history"),
+            name=joint,
+        )
+        for joint, unit in zip(joints, units, strict=True)
     ]
     more = rrb.Tabs(
-        *(rrb.Spatial2DView(name=f"posterior, {joint}", origin=f"/belief/{joint}/history") for joint in joints),
-        rrb.TimeSeriesView(name="entropy [bit]", contents=["/belief/*/entropy"]),
-        rrb.TimeSeriesView(name="evidence [log10]", contents=["/belief/*/evidence"]),
-        rrb.Spatial2DView(name="body schema", origin="/babbling/body_schema"),
-        rrb.Spatial2DView(name="explanations", origin="/babbling/explanations"),
-        rrb.Spatial2DView(name="table coverage", origin="/babbling/coverage"),
+        rrb.Spatial2DView(name="beliefs of all joints", origin="/figures/beliefs"),
+        rrb.Spatial2DView(name="body schema", origin="/figures/body_schema"),
+        rrb.Spatial2DView(name="explanations", origin="/figures/explanations"),
+        rrb.Spatial2DView(name="does it shake?", origin="/figures/ringing"),
         active_tab=0,
     )
+    errors = [views.series(f"error of all joints, root mean square [{whole}]", origin="/error")]
+    if done.limb_errors_deg:
+        errors.append(views.series("limb directions off the teacher's, mean of parts [deg]", origin="/limbs"))
     return views.beside(
-        views.framed("imitator and teacher", stage.low, stage.high),
-        *angles,
-        rrb.Horizontal(*beliefs),
+        views.framed("imitator, its sub-goals as a ghost; teacher", stage.low, stage.high),
+        rrb.Horizontal(*errors),
+        rrb.Tabs(*loops, active_tab=0),
+        rrb.Tabs(*choices, active_tab=0),
         more,
-        row_shares=[1, 1, 1, 1.1, 1.2],
+        row_shares=[0.9, 1, 1, 1.3],
         stage_share=2.2,
+        right_share=1.35,
     )
 
 
@@ -88,13 +94,15 @@ def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
         ):
             shown = done.body.shown_scale[j] * values[:, j]
             log_series(stream, f"joints/{joint}/{name}", shown, tick, f"{said} [{units[j]}]", colour, width)
-    for name, values, colour in (("imitated", done.imitated, IMITATED), ("replayed", done.replayed, REPLAYED)):
+    tries = [one.truth[:, 0] for one in done.attempts]
+    runs = [(f"attempt_{n}", one, EARLIER) for n, one in enumerate(tries[:-1], 1)]
+    runs += [("replayed", done.replayed, REPLAYED), ("imitated", done.imitated, IMITATED)]
+    for name, values, colour in runs:
         for unit in sorted({*units}):
             own = np.array(units) == unit
-            away = (done.body.shown_scale * (values - done.seen.angles))[:, own]
-            said = f"{name}, root mean square of all {'joints' if unit == 'deg' else 'slides'} [{unit}]"
-            at = f"error/{name}" if unit == "deg" else f"error/slides/{name}"
-            log_series(stream, at, np.sqrt(np.mean(away**2, axis=1)), tick, said, colour)
+            away = (done.body.shown_scale * (values - done.seen.angles[: len(values)]))[:, own]
+            said = name if len({*units}) == 1 else f"{name}, {'joints' if unit == 'deg' else 'slides'} [{unit}]"
+            log_series(stream, f"error/{unit}/{name}", np.sqrt(np.mean(away**2, axis=1)), tick, said, colour)
     shown = {
         "replayed": ("replayed", REPLAYED),
         "least": ("the joints' limit", ESTIMATED),
@@ -107,37 +115,26 @@ def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
             )
 
 
-def _log_beliefs(stream: rr.RecordingStream, done: Performed) -> None:
-    tick, last = done.body.tick_s, done.attempts[-1]
-    for joint, colour in zip(done.busiest[:SHOWN], SERIES, strict=False):
-        factor, name = done.factors[joint], done.body.joints[joint]
-        posterior = about_the_chosen(last.candidates[:, factor], last.posterior[:, factor])
-        log_bars(stream, f"belief/{name}/posterior", posterior, tick)
-        log_picture(stream, f"belief/{name}/history", heat_map(posterior.T[::-1] ** 0.5, aspect=4.0))
-        log_series(stream, f"belief/{name}/entropy", last.entropy[:, 0, factor], tick, name, colour)
-        evidence = np.log10(np.maximum(last.evidence[:, 0, factor], 1e-30))
-        log_series(stream, f"belief/{name}/evidence", evidence, tick, name, colour)
-        bias = done.body.shown_scale[joint] * last.believed[:, 0, factor, 2]
-        log_series(stream, f"correction/{name}", bias, tick, f"{name} [{done.body.shown_units[joint]}]", colour)
-
-
-def about_the_chosen(candidates: FloatArray, posterior: FloatArray, bars: int = 91) -> FloatArray:
-    """(T, bars) probability mass of (T, A) candidates by how far they lie from the posterior's mean, the same scale at
-    every tick: one hump where a joint moves, two where it may stick or slip.
-    """
-    away = candidates - (candidates * posterior).sum(1, keepdims=True)
-    reach = REACH * float(np.median(np.sqrt((posterior * away**2).sum(1))))
-    density, places = posterior / np.gradient(away, axis=1), np.linspace(-reach, reach, bars)
-    mass = np.stack([np.interp(places, *tick, left=0, right=0) for tick in zip(away, density, strict=True)])
-    return np.asarray(mass / np.maximum(mass.sum(1, keepdims=True), 1e-300))
-
-
-def _log_babbling(stream: rr.RecordingStream, done: Performed) -> None:
-    mind = done.learned.mind
-    log_picture(stream, "babbling/body_schema", heat_map(mind.pilot.schema.information, aspect=3.0))
-    log_picture(stream, "babbling/explanations", heat_map(mind.forward_model.weights[done.factors], aspect=0.5))
-    visits = np.log1p(mind.forward_model.table.visits)
-    tiles = [visits[done.factors[joint]] for joint in done.busiest[:SHOWN]]
-    gap = np.full((1, visits.shape[-1]), visits.max())
-    coverage = np.concatenate([part for tile in tiles for part in (tile, gap)][:-1])
-    log_picture(stream, "babbling/coverage", heat_map(coverage, "viridis", aspect=3.0))
+def _log_loop(stream: rr.RecordingStream, done: Performed, joint: int) -> None:
+    """What went round in the last attempt's loop for one joint, and what Eq. (1) thought of its commands."""
+    tick, last, name = done.body.tick_s, done.attempts[-1], done.body.joints[joint]
+    factor, scale, unit = done.factors[joint], done.body.shown_scale[joint], done.body.shown_units[joint]
+    wanted = done.seen.angles[: len(last.commands), joint]
+    felt = last.senses[:, 0, done.learned.mind.pilot.schema.posture[factor]]
+    went = {
+        "felt": (felt - wanted, IMITATED, 2.5),
+        "believed": (last.believed[:, 0, factor, 0] - wanted, ESTIMATED, 1.2),
+        "correction (felt bias)": (last.believed[:, 0, factor, 2], SERIES[2], 1.5),
+        "target": (0 * wanted, DEMONSTRATED, 1.0),
+    }
+    for number, (said, (values, colour, width)) in enumerate(went.items()):
+        log_series(stream, f"loop/{name}/{number}", scale * values, tick, said, colour, width)
+    commanded = scale * last.commands[:, 0, factor]
+    log_series(stream, f"joints/{name}/commanded", commanded, tick, f"commanded [{unit}]", REPLAYED, 1.0)
+    places, mass = beside_target(done, joint)
+    chosen = np.zeros_like(mass)
+    at = np.abs(chosen_beside(done, joint)[:, None] - places).argmin(1)
+    chosen[np.arange(len(mass)), at] = mass.max()
+    log_bars(stream, f"belief/{name}/now/chosen", chosen, tick, places, IMITATED, width=0.3)
+    log_bars(stream, f"belief/{name}/now/posterior", mass, tick, places, DEMONSTRATED)
+    log_figure(stream, f"belief/{name}/history", posterior(done, joint))

@@ -47,7 +47,8 @@ def judged(done: Performed) -> Result:
     imitated, demonstrated = (done.body.configurations(angles) for angles in (done.imitated, done.seen.angles))
     files = left(done.trajectories, csv=config.csv)
     files |= filmed(config.film, done.title, done.body, imitated, demonstrated, done.seen.teacher)
-    return Result(metrics, summary, figures(done, metrics), lambda path: record(path, done, summary), files)
+    made = figures(done, metrics)
+    return Result(metrics, summary, made, lambda path: record(path, done, summary, made), files)
 
 
 def prepare(config: Config) -> tuple[Learned, Seen]:

@@ -7,14 +7,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.gesture.standing_found import Stands
-from experiments.shared.figures import rates
+from experiments.shared.figures import captioned, rates
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 DIRECTIONS = ("forward and back", "sideways")
 """What people call the two directions of pressure."""
 INK = {
-    "ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": INKS["green"], "blind": INKS["violet"], "both": INKS["cyan"]
+    "ours": OURS, "linear": THEIRS, "replay": PLAIN, "pd": CYCLE[2], "blind": CYCLE[3], "both": CYCLE[4]
 }  # fmt: skip
 
 
@@ -27,6 +27,10 @@ def figures(stands: Stands, metrics: Mapping[str, Any]) -> dict[str, Figure]:
     return made
 
 
+@captioned(
+    "Pressure under the soles through time and between their edges, of the imitator and of simpler ways to "
+    "stand. Whoever leaves the square falls."
+)
 def standing(stands: Stands) -> Figure:
     """Pressure felt and foretold, offsets, and where the pressure went between the edges of the soles."""
     figure = Figure(figsize=(11, 6.5), layout="constrained")
@@ -73,6 +77,10 @@ def standing(stands: Stands) -> Figure:
     return figure
 
 
+@captioned(
+    "Falls in every body-minute of learning to stand, stage by stage, with how many there were. Later stages "
+    "move further about."
+)
 def learning(metrics: Mapping[str, Any]) -> Figure:
     """Falls in a body-minute, stage by stage."""
     figure = Figure(figsize=(6.5, 3.8), layout="constrained")
@@ -87,6 +95,10 @@ def learning(metrics: Mapping[str, Any]) -> Figure:
     return figure
 
 
+@captioned(
+    "Share of runs that fell, by how many times as fast the movement was done; intervals are exact (95 %). "
+    "Twenty individuals of other masses and friction in every cell."
+)
 def falls(metrics: Mapping[str, Any]) -> Figure:
     """Share of runs that fell, by speed; intervals are exact (Clopper and Pearson)."""
     curves = {}
@@ -100,6 +112,10 @@ def falls(metrics: Mapping[str, Any]) -> Figure:
     return rates({"": curves}, ("times as fast", "share of runs that fell"), caption="Falls, twenty individuals a cell")
 
 
+@captioned(
+    "Impulse of a push of a tenth of a second that half of the runs survive, by its direction, at rest and in "
+    "mid-movement. Further out is better."
+)
 def pushes(metrics: Mapping[str, Any]) -> Figure:
     """Impulse that half of the runs survive, by direction."""
     figure = Figure(figsize=(9, 4.6), layout="constrained")

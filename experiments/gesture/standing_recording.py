@@ -31,21 +31,18 @@ def record(path: Path, stands: Stands, summary: str) -> None:
 
 def layout() -> rrb.Horizontal:
     """The world left; pressure, offsets, beliefs and loads right."""
-    series = [
-        rrb.TimeSeriesView(name=f"pressure {name}, 1 = edge", origin=f"/pressure/{k}")
-        for k, name in enumerate(DIRECTIONS)
-    ]
+    series = [views.series(f"pressure {name}, 1 = edge", origin=f"/pressure/{k}") for k, name in enumerate(DIRECTIONS)]
     edges = rrb.Spatial2DView(name="pressure between the edges (up: forward)", origin="/edges")
-    bars = [rrb.BarChartView(name=f"{name}: P(offset)", origin=f"/belief/{n}") for n, name in enumerate(BARS)]
+    bars = [views.bars(f"{name}: P(offset)", f"/belief/{n}") for n, name in enumerate(BARS)]
     more = rrb.Tabs(
-        rrb.TimeSeriesView(name="lean of the posture, units of pressure", origin="/lean"),
-        rrb.TimeSeriesView(name="loads [N]", origin="/loads"),
+        views.series("lean of the posture, units of pressure", origin="/lean"),
+        views.series("loads [N]", origin="/loads"),
         active_tab=0,
     )
     return views.beside(
         views.world("imitator, teacher, and who was sent the sub-goals", (1.25, 0.1, 0.5), (0.0, 0.0, 0.25)),
         rrb.Horizontal(edges, rrb.Vertical(*series), column_shares=[1, 1.6]),
-        rrb.TimeSeriesView(name="offset by Eq. (1) [deg]", origin="/offset"),
+        views.series("offset by Eq. (1) [deg]", origin="/offset"),
         rrb.Horizontal(*bars),
         more,
         row_shares=[1.6, 0.8, 1, 1],

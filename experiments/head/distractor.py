@@ -11,7 +11,7 @@ from scipy.stats import bootstrap
 from babbling.axes import FloatArray
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS
 from experiments.shared.judging import rmse_deg
-from experiments.shared.palette import PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, PLAIN, THEIRS
 from experiments.shared.tables import table
 from imitation.seeing.features import COLOURS, find_features
 from imitation.seeing.finding import candidates
@@ -32,7 +32,7 @@ SPEED = 0.2
 """m/s across; at 0.7 m between the heads they are in view for some two and a half seconds."""
 MISS, LAG_S = 0.005, 0.1
 """m and s, standard deviations of how closely each passes its look-alike's place at rest, and when: a face."""
-INKS = dict(zip(TRACKERS, ("#2f8f5b", THEIRS, PLAIN, "#d9a521", "#c44e52"), strict=True))
+INKS = dict(zip(TRACKERS, (CYCLE[2], THEIRS, PLAIN, CYCLE[5], CYCLE[4]), strict=True))
 """Of every way of tracking."""
 CANDIDATES = 4
 """Things of one colour in one eye that are looked at."""

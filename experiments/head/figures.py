@@ -9,8 +9,9 @@ from experiments.head.distractor import INKS as WAYS
 from experiments.head.distractor import Crossed
 from experiments.head.found import Found, Imitation
 from experiments.shared.caregiver import FACE
+from experiments.shared.figures import captioned
 from experiments.shared.judging import rmse_deg
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import DARK, FEATURES, OURS, PLAIN, THEIRS
 from experiments.shared.views import AXES
 from imitation.deferred import HeadMemory
 from imitation.seeing.pose import Appearance
@@ -29,6 +30,10 @@ def figures(found: Found) -> dict[str, Figure]:
     return drawn
 
 
+@captioned(
+    "One sequence: the head as it was, as each frame alone shows it, as it was believed and as it was "
+    "imitated; errors below. Shaded: the face was hidden by a card."
+)
 def movement(one: Imitation) -> Figure:
     """One sequence: what was demonstrated, each frame's own estimate, the estimate, what was imitated; errors below."""
     figure = Figure(figsize=(10.5, 6.4), layout="constrained")
@@ -38,14 +43,16 @@ def movement(one: Imitation) -> Figure:
     for i, name in enumerate(AXES):
         axes = panels[i]
         _hide(axes, time, one.hidden)
+        middle, half = np.rad2deg(one.watched.pose[:, i]), 2 * np.rad2deg(one.watched.deviation[:, i])
+        axes.fill_between(time, middle - half, middle + half, color=THEIRS, alpha=0.25, lw=0, label="two deviations")
         axes.plot(time[frames], np.rad2deg(one.watched.raw[frames, i]), ".", color=RAW, ms=3, label="each frame alone")
         axes.plot(time[frames], np.rad2deg(one.truth[frames, i]), color=DARK, lw=3.2, alpha=0.35, label="demonstrated")
-        axes.plot(time, np.rad2deg(one.watched.pose[:, i]), color=THEIRS, lw=1.3, label="estimated")
+        axes.plot(time, middle, color=THEIRS, lw=1.3, label="estimated")
         axes.plot(time, np.rad2deg(one.imitated[:, i]), color=OURS, lw=1.0, ls="--", label="imitated")
         axes.set_ylabel(f"{name} [deg]")
         ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
         axes.set_ylim(ends[0] - 4, ends[1] + 4)
-    panels[0].legend(ncols=4, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    panels[0].legend(ncols=5, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     _hide(panels[2], time, one.hidden)
     for values, colour, label in (
         (one.watched.raw, RAW, "each frame alone"),
@@ -58,6 +65,9 @@ def movement(one: Imitation) -> Figure:
     return figure
 
 
+@captioned(
+    "Things of the face's own colours cross the view. Below, by how much each way of tracking loses the head meanwhile."
+)
 def distractor(crossed: Crossed) -> Figure:
     """Error of the pose by way of tracking, of every sequence and through the first one; the wrong things followed."""
     figure = Figure(figsize=(11.5, 4.2), layout="constrained")
@@ -98,6 +108,10 @@ def _hide(axes: Axes, time: FloatArray, hidden: BoolArray) -> None:
         )  # fmt: skip
 
 
+@captioned(
+    "Where each feature of a face is expected on the retina, over all poses of its head; learned while a "
+    "caregiver mirrored one's own head."
+)
 def looks(appearance: Appearance) -> Figure:
     """What was learned of a head's looks: where its features are seen as it pans and tilts."""
     figure = Figure(figsize=(10.5, 4.2), layout="constrained")
@@ -109,8 +123,8 @@ def looks(appearance: Appearance) -> Figure:
         for feature, name in enumerate(FACE):
             u, v = numbers[..., feature, eye, 0], numbers[..., feature, eye, 1]
             for row in range(0, 25, 6):
-                axes.plot(u[row], v[row], color=INKS[name], lw=1.3)
-                axes.plot(u[:, row], v[:, row], color=INKS[name], lw=0.6, alpha=0.7)
+                axes.plot(u[row], v[row], color=FEATURES[name], lw=1.3)
+                axes.plot(u[:, row], v[:, row], color=FEATURES[name], lw=0.6, alpha=0.7)
         axes.set(title=f"{('left', 'right')[eye]} eye", xlabel="u [px]", aspect="equal")
     panels[0].set_ylabel("v [px]")
     panels[0].invert_yaxis()
@@ -120,6 +134,10 @@ def looks(appearance: Appearance) -> Figure:
     return figure
 
 
+@captioned(
+    "Error of every sequence, by what was known: the filter with and without the future, each frame alone, "
+    "and the imitation."
+)
 def errors(sequences: list[Imitation]) -> Figure:
     """Every sequence's error, by kind of estimate."""
     figure = Figure(figsize=(8, 3.8), layout="constrained")
@@ -141,6 +159,7 @@ def errors(sequences: list[Imitation]) -> Figure:
     return figure
 
 
+@captioned("A movement that was remembered, and its performance later, in another room.")
 def recalled(memory: HeadMemory, imitated: FloatArray) -> Figure:
     """A remembered movement and its performance."""
     figure = Figure(figsize=(9, 4.2), layout="constrained")

@@ -14,8 +14,8 @@ from experiments.head.options import Config
 from experiments.shared import views
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS, Search
 from experiments.shared.eyes_recording import log_eyes, log_head, log_points, log_rings, log_stage
-from experiments.shared.palette import DEMONSTRATED, ESTIMATED, FOUND, IMITATED, REPLAYED, light
-from experiments.shared.recording import log_series, recording
+from experiments.shared.palette import DEMONSTRATED, ESTIMATED, EXPECTED, FOUND, IMITATED, REPLAYED, light
+from experiments.shared.recording import log_series, log_states, recording
 from imitation.deferred import HeadMemory
 from models.biclops.movements import TICK_S
 from models.biclops.room import Ball
@@ -44,7 +44,7 @@ def record(path: Path, done: Found, summary: str) -> None:
         balls = balls | {ball.name: way for ball, way in zip(BALLS, np.moveaxis(crossing, 1, 0), strict=True)}
     toys = [ball for ball in (*TOYS_OF_ANOTHER_ROOM, *BALLS) if ball.name in balls]
     model = stage(config.robot, teacher=not later, distance=config.distance, balls=toys).compile()
-    with recording(path, "imitate-head", name, _layout(config), summary) as stream:
+    with recording(path, "imitate-head", name, _layout(config, done.images[0][0]), summary) as stream:
         shape = (len(frames), len(FACE), 2, NUMBERS)
         found = one.numbers[frames].reshape(shape)[..., :2]
         expected = done.appearance.expect(one.watched.pose[frames]).reshape(shape)[..., :2]
@@ -55,7 +55,12 @@ def record(path: Path, done: Found, summary: str) -> None:
         log_head(stream, "raw", one.watched.raw[frames], FRAME_S, REPLAYED, "frame alone", 1.0)
         log_head(stream, "demonstrated", truth, FRAME_S, DEMONSTRATED, width=4.0)
         log_head(stream, "estimated", one.watched.pose, TICK_S, ESTIMATED)
+        for sign, side in ((1, "above"), (-1, "below")):
+            edge = one.watched.pose + 2 * sign * one.watched.deviation
+            log_head(stream, f"band/{side}", edge, TICK_S, ESTIMATED, "two standard deviations", 0.6)
         log_head(stream, "imitated", one.imitated, TICK_S, IMITATED)
+        states = np.where(one.hidden, "hidden by a card", "seen").tolist()
+        log_states(stream, "face", {"seen": REPLAYED, "hidden by a card": EXPECTED}, states, TICK_S)
         used = one.watched.used[frames].astype(float)
         log_series(stream, "seen/numbers", used, FRAME_S, "numbers used", ESTIMATED)
         error = np.rad2deg(np.hypot(*(one.imitated[frames] - truth).T))
@@ -79,31 +84,32 @@ def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray
         log_series(stream, f"tracking/{name}", np.maximum(away, 1e-3), FRAME_S, name, light(INKS[name]))
 
 
-def _layout(config: Config) -> rrb.Horizontal:
+def _layout(config: Config, picture: NDArray[np.uint8]) -> rrb.Horizontal:
     height = head_of(config.robot).table[2]
     room = "imitated later, in another room" if config.deferred else "teacher and imitator"
     more = rrb.Tabs(
-        rrb.TimeSeriesView(name="error [deg]", origin="/error"),
-        rrb.TimeSeriesView(name="numbers the filter used", origin="/seen"),
-        rrb.TimeSeriesView(
-            name="each frame alone [deg]",
-            contents=[f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")],
+        views.series("error [deg]", origin="/error"),
+        views.series("numbers the filter used", origin="/seen"),
+        views.series(
+            "each frame alone [deg]",
+            *(f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")),
         ),
-        *([rrb.TimeSeriesView(name="error by tracking [deg]", origin="/tracking")] if config.distractor else []),
+        *([views.series("error by tracking [deg]", origin="/tracking")] if config.distractor else []),
         active_tab=0,
     )
     return views.beside(
         views.world(room, (0.1, -1.15, height + 0.62), (0.36, 0.0, height + 0.16)),
-        views.eyes(),
-        *views.head_angles("demonstrated", "estimated", "imitated"),
+        views.eyes(picture),
+        rrb.StateTimelineView(name="the face", origin="/face"),
+        *views.head_angles("demonstrated", "estimated", "band/**", "imitated"),
         more,
-        row_shares=[1.5, 1, 1, 0.8],
+        row_shares=[1.5, 0.4, 1, 1, 0.8],
     )
 
 
 def record_search(path: Path, looked: Search, summary: str) -> None:
     """What was seen while nobody was found."""
-    layout = rrb.Vertical(views.eyes(), rrb.TimeSeriesView(name="pan [deg]", origin="/head"), views.summary())
+    layout = rrb.Vertical(views.eyes(looked.images[0][0]), views.series("pan [deg]", origin="/head"), views.summary())
     with recording(path, "imitate-head", "no face", layout, summary) as stream:
         log_eyes(stream, looked.images, 1.4)
         log_series(stream, "head/pan/imitated", np.rad2deg(looked.pans), 1.4, "pan", IMITATED)

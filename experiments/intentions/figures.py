@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from experiments.intentions import films
 from experiments.intentions.agents import GOALS
 from experiments.intentions.found import Done, Studied
+from experiments.shared.figures import captioned
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import DARK, INKS, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 from models.objects.states import STATES
 
 INFANTS: Final = {
@@ -32,11 +33,20 @@ LEAST_SHOWN: Final = 0.02
 
 
 def figures(done: Done) -> dict[str, Figure]:
+    """File stem -> figure."""
+    return {"meant": meant(done)}
+
+
+@captioned(
+    "What was believed of the other's goal after each presentation, and whether that is somebody at all. Goals that "
+    "are never likelier than 2 per cent are left out."
+)
+def meant(done: Done) -> Figure:
     """What was believed after each presentation, and what was done."""
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1.25, 1], sharey=True)
     after = np.arange(len(done.meant.goal))
-    inks = iter([OURS, THEIRS, *list(INKS.values())])
+    inks = iter([*CYCLE, DARK])
     for n, goal in enumerate(GOALS):
         if done.meant.goal[:, n].max() > LEAST_SHOWN:
             left.plot(after, done.meant.goal[:, n], "o-", color=next(inks), label=goal)
@@ -50,7 +60,7 @@ def figures(done: Done) -> dict[str, Figure]:
     figure.suptitle(
         f"{done.config.condition}, {done.config.toy}. Ends that were seen: {saw}. Then it did: {did}.", fontsize=9
     )
-    return {"meant": figure}
+    return figure
 
 
 def study_figures(studied: Studied, metrics: dict[str, Any]) -> dict[str, Figure]:
@@ -64,6 +74,10 @@ def study_figures(studied: Studied, metrics: dict[str, Any]) -> dict[str, Figure
     return found | ({"sensitivity": sensitivity(metrics)} if len(metrics["sensitivity"]) > 1 else {})
 
 
+@captioned(
+    "How often the target of an act came about after what was shown, beside infants and two simpler peers. "
+    "Intervals are 95 % over agents, those of infants exact where numbers are known."
+)
 def rates(metrics: dict[str, Any], plays: int) -> Figure:
     """Every condition beside infants and both peers."""
     figure = Figure(figsize=(11.5, 5.0), layout="constrained")
@@ -98,6 +112,10 @@ def rates(metrics: dict[str, Any], plays: int) -> Figure:
     return figure
 
 
+@captioned(
+    "Whether that is somebody, by one's own body image: the same movement done by other bodies, looking at "
+    "who watches or not."
+)
 def bodies(metrics: dict[str, Any]) -> Figure:
     """P(somebody) by body."""
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
@@ -116,6 +134,7 @@ def bodies(metrics: dict[str, Any]) -> Figure:
     return figure
 
 
+@captioned("How often the goal was inferred rightly after part of the movement, its end unseen, beside simpler rules.")
 def by_share(metrics: dict[str, Any]) -> Figure:
     """Accuracy of the inferred goal by share of the movement that was seen."""
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
@@ -137,6 +156,10 @@ def by_share(metrics: dict[str, Any]) -> Figure:
     return figure
 
 
+@captioned(
+    "Per cent of imitators with whom the target came about, by condition, when one number that is not learned "
+    "is another. Rows that differ little say that it matters little."
+)
 def sensitivity(metrics: dict[str, Any]) -> Figure:
     """Rates by what is otherwise."""
     rows, columns = list(metrics["sensitivity"]), list(metrics["rates"])

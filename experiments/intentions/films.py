@@ -35,6 +35,7 @@ from experiments.maze.learning import walkers
 from experiments.maze.mind import step_likelihood, watched
 from experiments.maze.options import Config
 from experiments.maze.planners import steps_to_go
+from experiments.shared.figures import captioned
 from experiments.shared.judging import over_learners
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 from imitation.acting.follow import believed
@@ -196,6 +197,11 @@ def _walk(room: Maze, goal: int, rng: np.random.Generator) -> Film:
     return Film(room, watched(walk, room))
 
 
+@captioned(
+    "By how much more surprising the unexpected film is than the expected one, mind by mind, with 95 % "
+    "intervals over observers. Infants' signs below; where nothing should be unexpected the bars should be "
+    "none."
+)
 def figure(found: dict[str, Any]) -> Figure:
     """How much more surprising, mind by mind, with 95 % intervals; nats per step."""
     drawn = Figure(figsize=(11, 4.8), layout="constrained")

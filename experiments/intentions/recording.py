@@ -14,7 +14,7 @@ from experiments.intentions.found import Done
 from experiments.intentions.showing import device
 from experiments.objects.recording import became, log_touch
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, SERIES
+from experiments.shared.palette import DEMONSTRATED, FOUND, IMITATED, REPLAYED, SERIES
 from experiments.shared.playing import LOOKED_AT, TICK_S, at_table
 from experiments.shared.recording import log_body, log_series, log_states, log_stick_figure, recording
 from imitation.acting.primitives import NAMES
@@ -25,7 +25,7 @@ from models.shapes import parts
 
 BESIDE: Final = 0.75
 """m between imitator and adult."""
-MANY: Final = (*SERIES, (230, 120, 120), (150, 220, 220), (240, 240, 240), (120, 120, 120))
+MANY: Final = (*SERIES, FOUND, REPLAYED)
 OVER: Final = "over"
 PROBABILITY: Final = rrb.ScalarAxis(range=(0.0, 1.05))
 POLES: Final = ((0, 3), (3, 5), (1, 4), (4, 6))
@@ -46,10 +46,10 @@ def layout(done: Done) -> rrb.Horizontal:
     """The tables left; beliefs, object and touch right."""
     return views.beside(
         views.world("imitator, and who shows it behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
-        rrb.TimeSeriesView(name="P(goal | somebody pursues one)", origin="/goal", axis_y=PROBABILITY),
-        rrb.TimeSeriesView(name="P(somebody)", origin="/somebody", axis_y=PROBABILITY),
+        views.series("P(goal | somebody pursues one)", origin="/goal", within=views.CHANCE),
+        views.series("P(somebody)", origin="/somebody", within=views.CHANCE),
         rrb.StateTimelineView(name="what is done, and the object's state", origin="/object"),
-        rrb.TimeSeriesView(name="imitator's touch [N]", origin="/touch"),
+        views.series("imitator's touch [N]", origin="/touch"),
         row_shares=[1.4, 0.8, 1.0, 0.8],
         stage_share=2.2,
     )

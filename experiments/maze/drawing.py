@@ -7,11 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from babbling.axes import BoolArray, FloatArray, IntArray
+from experiments.shared.palette import CYCLE, DARK
 from models.maze import Maze
 
 GOAL_SHADES = ("white", "0.62", "0.25", "0.8", "0.45", "0.1", "0.7", "0.35", "0.9")
 """Goal 1 is white, goal 2 grey, goal 3 dark, as in the chapter's Figure 5 (a)."""
-GOAL_COLOURS = ("#1b6ca8", "#d1495b", "#66a182", "#edae49", "#7b5ea7", "#00798c", "#8d6a3f", "#5c5c5c", "#b56576")
+GOAL_COLOURS = (*CYCLE, DARK)
 """One colour per goal where lines have to be told apart."""
 
 

@@ -9,6 +9,7 @@ from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_
 from experiments.maze.found import BLOCK, Found
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import places_of
+from experiments.shared.figures import captioned
 from experiments.shared.figures import learning_curve as draw_curve
 from imitation.inference.intent import in_blocks
 from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS
@@ -22,6 +23,10 @@ def figures(done: Found) -> dict[str, Figure]:
     return drawn
 
 
+@captioned(
+    "The maze, its start and goals; the five actions; and the true and the learned forward model, as in the "
+    "chapter's Figure 5. Rows sum to one."
+)
 def figure_5(done: Found) -> Figure:
     """(a) the maze, (b) the five actions, (c) true and learned forward model side by side."""
     maze = done.maze
@@ -67,6 +72,10 @@ def _draw_actions(axes: Axes) -> None:
     axes.set_axis_off()
 
 
+@captioned(
+    "What imitation is made of, as in the chapter's Figure 6: learned priors over actions on the way to one "
+    "goal, the teacher's walks, and an imitation. Grey tells time, from light to dark."
+)
 def figure_6(done: Found) -> Figure:
     """(a) learned priors for N, S, E, W, (b) the teacher's trajectories, (c) an imitation; time in grey."""
     maze, journey, goal = done.maze, done.journey, done.config.goal
@@ -100,6 +109,10 @@ def figure_6(done: Found) -> Figure:
     return figure
 
 
+@captioned(
+    "Whose goal is it? An unseen walk and the posterior over goals as it is watched, as in the chapter's "
+    "Figure 7; beside it a uniform goal prior and a filter through time."
+)
 def figure_7(done: Found) -> Figure:
     """(a) the unseen walk, (b) inferred intent in blocks, and beside it what the chapter only mentions:
     a uniform prior over goals, and a filter over time.
@@ -136,6 +149,11 @@ def figure_7(done: Found) -> Figure:
     return figure
 
 
+@captioned(
+    "How far the learned forward model is from the true one (total variation), against wandering and against "
+    "visits. The bound is the expectation for so many throws of a die: single runs scatter about it on either "
+    "side."
+)
 def learning_curve(curve: Convergence) -> Figure:
     """Total variation of the learned rows against wandering steps and against counted visits, with the bound."""
     wide = len(curve.per_visit) >= 3

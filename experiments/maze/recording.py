@@ -4,7 +4,6 @@ Everything stands on one timeline, `step`: on the left the imitator on its way, 
 and the observer's belief about where it leads.
 """
 
-import io
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -18,15 +17,15 @@ from experiments.maze.drawing import GOAL_COLOURS, offsets, wall_segments
 from experiments.maze.found import Found
 from experiments.maze.mind import places_of
 from experiments.shared import views
-from experiments.shared.palette import light
-from experiments.shared.recording import log_series, log_states, recording, ticks
+from experiments.shared.palette import CYCLE, PLAIN, light
+from experiments.shared.recording import log_figure, log_series, log_states, recording, ticks
 from models.maze import ACTIONS, STEPS, Maze
 
 WALL_HEIGHT, WALL_WIDTH = 0.55, 0.07
-ACTION_COLOURS = ("#1b6ca8", "#edae49", "#d1495b", "#66a182", "#8a8f98")
+ACTION_COLOURS = (*CYCLE[1:5], PLAIN)
 FLOOR, WALL, PALE, DARK = (222, 222, 216), (70, 84, 104), np.array([190, 190, 190]), np.array([12, 14, 20])
 LONGEST_TRAIL = 150
-EVENTS = {"sub-goal": (102, 161, 130), "backtracking": (237, 174, 73), "forward model alone": (209, 73, 91)}
+EVENTS = {"sub-goal": light(CYCLE[2]), "backtracking": light(CYCLE[5]), "forward model alone": light(CYCLE[4])}
 
 
 def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure]) -> None:
@@ -34,10 +33,7 @@ def record(path: Path, done: Found, summary: str, figures: Mapping[str, Figure])
     name = f"maze, goal {done.config.goal}"
     with recording(path, "imitate-maze", name, _layout(done, figures), summary, "step") as stream:
         for name, figure in figures.items():
-            picture = io.BytesIO()
-            figure.savefig(picture, dpi=110, format="png", bbox_inches="tight")
-            image = rr.EncodedImage(contents=picture.getvalue(), media_type="image/png")
-            stream.log(f"figures/{name}", image, static=True)
+            log_figure(stream, f"figures/{name}", figure)
         for world in ("imitating", "watching"):
             _log_maze(stream, world, done.maze)
         _log_imitation(stream, done)
@@ -76,7 +72,7 @@ def _log_imitation(stream: rr.RecordingStream, done: Found) -> None:
     _log_label(stream, "imitating/goal/label", there, f"goal {goal}")
     _log_walk(stream, "imitating", places)
     subgoal = _raised(places_of(maze).place(decisions.subgoal[:steps, 0]), 0.1)
-    stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[(102, 161, 130)], radii=[0.2]), static=True)
+    stream.log("imitating/subgoal", rr.Points3D.from_fields(colors=[EVENTS["sub-goal"]], radii=[0.2]), static=True)
     stream.send_columns("imitating/subgoal", during, rr.Points3D.columns(positions=subgoal))
     posterior = decisions.posterior[:steps, 0]
     reach = np.pad(STEPS[:4], ((0, 0), (0, 1))) * posterior[:, :4, None] * 1.5
@@ -135,10 +131,6 @@ def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Vertical:
         x, y, across = (width + 1) / 2, (height + 1) / 2, max(width, height)
         return views.world(title, (x, y - 0.38 * across, 1.1 * across), (x, y, 0.0), f"/{name}")
 
-    def series(entity: str, title: str) -> rrb.TimeSeriesView:
-        unit = rrb.ScalarAxis(range=(0.0, 1.02), zoom_lock=True)
-        return rrb.TimeSeriesView(origin=f"/{entity}", name=title, axis_y=unit)
-
     pictures = [
         rrb.Spatial2DView(origin=f"/figures/{name}", name=name.replace("_", " ").capitalize()) for name in figures
     ]
@@ -151,12 +143,12 @@ def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Vertical:
         ),
         rrb.Horizontal(
             rrb.Vertical(
-                series("actions/posterior", "Eq. (1): posterior over actions"),
+                views.series("Eq. (1): posterior over actions", origin="/actions/posterior", within=views.CHANCE),
                 rrb.StateTimelineView(origin="/actions/mode", name="What decided"),
                 row_shares=[1.7, 1],
             ),
-            series("goals/filter", "Posterior over goals, Bayes filter"),
-            series("goals/by_step", "Eq. (2): posterior over goals, step by step"),
+            views.series("Posterior over goals, Bayes filter", origin="/goals/filter", within=views.CHANCE),
+            views.series("Eq. (2): posterior over goals, step by step", origin="/goals/by_step", within=views.CHANCE),
             column_shares=[1, 1, 1.05],
         ),
         row_shares=[1.7, 1],

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.notice.trials import KINDS, Changed
+from experiments.shared.figures import captioned
 from experiments.shared.palette import DARK, OURS, PLAIN
 
 AROUND_S = 1.0
@@ -13,6 +14,15 @@ AROUND_S = 1.0
 
 
 def figures(found: Mapping[str, Changed], limit: float, tick_s: float, joints: Sequence[str]) -> dict[str, Figure]:
+    """File stem -> figure."""
+    return {"noticing": noticing(found, limit, tick_s, joints)}
+
+
+@captioned(
+    "Surprise of the joints that changed (orange), of the others (grey) and of the whole body (black) about the "
+    "moment of the change; dashed, the alarm. Below, how many were noticed by when, by simpler signals too."
+)
+def noticing(found: Mapping[str, Changed], limit: float, tick_s: float, joints: Sequence[str]) -> Figure:
     """The first case of each kind: surprise of every joint and of the body through time, and the moment of the change;
     below, of all cases, how many were noticed by when."""
     figure = Figure(figsize=(11, 6.5), layout="constrained")
@@ -47,4 +57,4 @@ def figures(found: Mapping[str, Changed], limit: float, tick_s: float, joints: S
     )
     rows[1, 0].set_ylabel("noticed by then, % of all cases")
     rows[1, 0].legend(frameon=False)
-    return {"noticing": figure}
+    return figure

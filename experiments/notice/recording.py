@@ -14,14 +14,17 @@ from experiments.shared.recording import log_body, log_series, log_states, recor
 from models.body import SimulatedBody
 from models.shapes import parts
 
+SHOWN = 5
+"""Joints that were surprised most."""
+
 
 def record(path: Path, done: Changed, body: SimulatedBody, limit: float, joints: Sequence[str], summary: str) -> None:
     """Write the recording of the first case."""
     whole, surprise = done.whole["average"][:, 0], done.surprise["average"][:, 0]
     layout = views.beside(
         views.world("imitator", (1.0, 0.0, 0.5), (0.0, 0.0, 0.3)),
-        rrb.TimeSeriesView(name="surprise of the body [nat], and when it is an alarm", origin="/body"),
-        rrb.TimeSeriesView(name="surprise of the joints [nat]", origin="/joints"),
+        views.series("surprise of the body [nat], and when it is an alarm", origin="/body"),
+        views.series("surprise of the joints [nat]", origin="/joints"),
         rrb.StateTimelineView(name="what happens", origin="/change"),
         row_shares=[1, 1.4, 0.5],
     )
@@ -30,8 +33,8 @@ def record(path: Path, done: Changed, body: SimulatedBody, limit: float, joints:
         log_body(stream, "world/imitator", parts(body.model, body.configurations(done.heard.angles)), body.tick_s)
         log_series(stream, "body/surprise", whole, body.tick_s, "whole body", IMITATED)
         log_series(stream, "body/limit", np.full(len(whole), limit), body.tick_s, "alarm", REPLAYED, 1.0)
-        most = np.argsort(-surprise.max(0))[: len(SERIES)]
-        for joint, light in zip(most, SERIES, strict=True):
+        most = np.argsort(-surprise.max(0))[:SHOWN]
+        for joint, light in zip(most, SERIES, strict=False):
             log_series(stream, f"joints/{joints[joint]}", surprise[:, joint], body.tick_s, joints[joint], light)
         noticed = np.maximum.accumulate((whole > limit) & (np.arange(len(whole)) > done.at[0]))
         names = np.where(noticed, "noticed", np.where(np.arange(len(whole)) > done.at[0], "changed", "as it was"))

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from experiments.objects.deciding import UNSEEN
 from experiments.objects.found import Done, Studied
 from experiments.play.figures import outcomes
+from experiments.shared.figures import captioned
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 from imitation.acting.primitives import NAMES
@@ -25,7 +26,16 @@ PEERS = ("mimic", "emulate")
 
 
 def figures(done: Done) -> dict[str, Figure]:
-    """What was chosen, and why; and the tables it rests on."""
+    """File stem -> figure."""
+    return {"choice": choice(done), "outcomes": outcomes(done.child.play)}
+
+
+@captioned(
+    "What the movement was taken for, what would bring the goal about, and what Eq. (1) makes of it: the posterior "
+    "over primitives from which the first act was drawn."
+)
+def choice(done: Done) -> Figure:
+    """What was chosen, and why."""
     figure = Figure(figsize=(9.5, 4.6), layout="constrained")
     axes = figure.subplots(1, 3, sharey=True)
     play, rows = done.child.play, np.arange(len(NAMES))
@@ -44,11 +54,31 @@ def figures(done: Done) -> dict[str, Figure]:
     axes[0].invert_yaxis()
     said = "; ".join(f"{act}: {state}" for act, state in done.acts)
     figure.suptitle(f"{done.config.object}, {done.config.condition}. Done: {said}.", fontsize=10)
-    return {"choice": figure, "outcomes": outcomes(play)}
+    return figure
 
 
 def study_figures(studied: Studied) -> dict[str, Figure]:
-    """Head touches beside infants', success by primitive, and the tables of the first play."""
+    """File stem -> figure."""
+    found = {"head_touch": head_touch(studied), "primitives": primitives(studied)}
+    return found | {"outcomes": outcomes(studied.plays[0].play)}
+
+
+@captioned("Primitives with specimens and places that were never met: share of tries, exact 95 % intervals.")
+def primitives(studied: Studied) -> Figure:
+    """Success by primitive."""
+    figure = Figure(figsize=(7.5, 4.0), layout="constrained")
+    axes = figure.subplots()
+    _bars(axes, studied.metrics, "primitive_success")
+    axes.set(ylabel="share of tries that did what they should", ylim=(0, 1.05))
+    return figure
+
+
+@captioned(
+    "How many touched the panel with the forehead, by how the act was seen: imitators over several plays, and peers "
+    "that do the movement (mimic) or bring the light about (emulate). Exact 95 % intervals; infants beside."
+)
+def head_touch(studied: Studied) -> Figure:
+    """Head touches beside infants'."""
     metrics = studied.metrics
     figure = Figure(figsize=(9.5, 4.8), layout="constrained")
     axes = figure.subplots()
@@ -70,12 +100,7 @@ def study_figures(studied: Studied) -> dict[str, Figure]:
         "the movement (mimic)\nor bring the light about (emulate); exact 95 % intervals. Infants: published rates.",
         fontsize=9,
     )
-    other = Figure(figsize=(7.5, 4.0), layout="constrained")
-    axes = other.subplots()
-    _bars(axes, metrics, "primitive_success")
-    axes.set(ylabel="share of tries", ylim=(0, 1.05))
-    other.suptitle("Primitives with specimens and places never met: exact 95 % intervals.", fontsize=9)
-    return {"head_touch": figure, "primitives": other, "outcomes": outcomes(studied.plays[0].play)}
+    return figure
 
 
 def _bars(axes: Axes, metrics: dict[str, Any], key: str, peers: Sequence[str] = ()) -> None:

@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 from experiments.objects.found import Done
 from experiments.objects.options import words
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, SERIES
+from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.playing import TICK_S, Tried, at_table
 from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
 from imitation.acting.primitives import NAMES
@@ -36,18 +36,16 @@ def record(path: Path, done: Done, summary: str) -> None:
 
 def layout(done: Done) -> rrb.Horizontal:
     """The tables left; touch, grip, state and choice right."""
-    belief = rrb.BarChartView(name=f"Eq. (1): P(primitive | {done.goal})", origin="/choice")
-    taken = rrb.BarChartView(name="P(primitive | movement seen)", origin="/recognised")
+    belief = views.bars(f"Eq. (1): P(primitive | {done.goal})", "/choice")
+    taken = views.bars("P(primitive | movement seen)", "/recognised")
     tables = rrb.Spatial2DView(name="P(state | primitive), states across, primitives down", origin="/tables")
     return views.beside(
         views.world("imitator, and teacher behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
         rrb.StateTimelineView(name="the imitator's object", origin="/object"),
-        rrb.TimeSeriesView(name="touch [N]", origin="/touch"),
-        rrb.TimeSeriesView(name="grip, at most [N]", origin="/grip"),
+        views.series("touch [N]", origin="/touch"),
+        views.series("grip, at most [N]", origin="/grip"),
         rrb.Horizontal(taken, belief),
-        rrb.Tabs(
-            tables, rrb.TimeSeriesView(name="where its parts are, above the table [m]", origin="/height"), active_tab=0
-        ),
+        rrb.Tabs(tables, views.series("where its parts are, above the table [m]", origin="/height"), active_tab=0),
         row_shares=[1.1, 0.9, 0.7, 0.9, 1.2],
         stage_share=2.2,
     )
@@ -68,7 +66,7 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
             grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
             log_series(stream, f"grip/{n}", grip, TICK_S, part, SERIES[n])
     log_touch(stream, tries)
-    colours = dict(zip(STATES, [(120, 120, 120), *SERIES, (230, 120, 120), (240, 240, 240)], strict=True))
+    colours = dict(zip(STATES, [REPLAYED, *SERIES[: len(STATES) - 1]], strict=True))
     states, acts = list[str](), list[str]()
     for tried in tries:
         states += became(tried, toy)

@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 from babbling.play import HANDS, Play
+from experiments.shared.figures import captioned
 
 CAPTION = (
     "P(state of the thing | kind, hands, primitive) after {minutes:.0f} body-minutes of play, and how often each "
@@ -10,6 +11,10 @@ CAPTION = (
 )
 
 
+@captioned(
+    "What play taught of every kind of thing: P(state | primitive), with the number of tries at the right. "
+    "Where nothing was tried, the prior is seen."
+)
 def outcomes(play: Play) -> Figure:
     """Heat maps of P(state | kind, hands, primitive) with the evidence of every row."""
     acts, states = play.outcomes.action.labels, play.outcomes.outcome.labels

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from babbling.axes import FloatArray
 from babbling.looking import LookingMind
 from experiments.saccades.trials import Fixated, Predicted
-from experiments.shared.figures import learning_curve
+from experiments.shared.figures import captioned, learning_curve
 from experiments.shared.judging import LearningCurve
 from experiments.shared.palette import OURS, THEIRS
 from experiments.shared.views import AXES
@@ -19,7 +19,10 @@ def figures(
     return {
         "prediction": prediction(mind, trials, guess),
         "fixation": fixation(mind, fixated),
-        "learning_curve": learning_curve(
+        "learning_curve": captioned(
+            "Error of where things are expected after an unseen saccade, against body time of babbling. Below it, "
+            "the efference copy alone: what a line fitted by the pilot makes of it."
+        )(learning_curve)(
             curve.minutes,
             {"forward model": curve.table, "efference copy alone (least squares of the pilot)": curve.line},
             ("body-minutes (pilot included)", "error after an unseen saccade [px]"),
@@ -28,6 +31,10 @@ def figures(
     }
 
 
+@captioned(
+    "Where things stood before and after saccades that were never made before, and where they were expected; "
+    "the distribution of errors beside the efference copy alone. A sighting counts once."
+)
 def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figure:
     """Where things went and where they were expected; the errors' distribution."""
     half = mind.pilot.retina.half
@@ -56,6 +63,10 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
     return figure
 
 
+@captioned(
+    "Where things were when they drew the eye, by how near to the middle one saccade brought them, and shares "
+    "of trials within so many pixels after one and two saccades."
+)
 def fixation(mind: LookingMind, fixated: Fixated) -> Figure:
     """Where trials began and where things stood after one saccade; shares within so many pixels."""
     half = mind.pilot.retina.half
@@ -75,6 +86,10 @@ def fixation(mind: LookingMind, fixated: Fixated) -> Figure:
     return figure
 
 
+@captioned(
+    "What babbling taught: where the picture goes when either motor moves, over the whole retina. On the "
+    "right what the table adds to the efference copy, enlarged fifty times."
+)
 def forward_model(mind: LookingMind) -> Figure:
     """What babbling taught: displacement fields of a pan and a tilt saccade, and what the table adds to the copy."""
     half = mind.pilot.retina.half

@@ -37,7 +37,7 @@ def record(
     def both(pixels: list[FloatArray]) -> FloatArray:
         return np.stack(pixels).reshape(len(glances), -1, 2, 2)
 
-    with recording(path, "imitate-saccades", name, _layout(table[2]), summary) as stream:
+    with recording(path, "imitate-saccades", name, _layout(table[2], glances[0].images[0]), summary) as stream:
         found, expected = both([g.found for g in glances]), both([g.predicted for g in glances])
         log_eyes(stream, [g.images for g in glances], SACCADE_S, found, expected, (1.0, 2.2))
         log_stage(stream, seen, SACCADE_S)
@@ -47,11 +47,11 @@ def record(
         log_events(stream, [(number * SACCADE_S, g.event) for number, g in enumerate(glances)])
 
 
-def _layout(height: float) -> rrb.Horizontal:
+def _layout(height: float, picture: NDArray[np.uint8]) -> rrb.Horizontal:
     return views.beside(
         views.world("head and toys", (-0.9, -0.9, height + 0.8), (0.35, 0.0, height + 0.2)),
-        views.eyes(),
-        rrb.TimeSeriesView(name="pan and tilt [deg]", origin="/head"),
+        views.eyes(picture),
+        views.series("pan and tilt [deg]", origin="/head"),
         rrb.TextLogView(name="fixations", origin="/events"),
         row_shares=[1.4, 1, 0.9],
     )

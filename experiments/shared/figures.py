@@ -1,7 +1,8 @@
 """Figures that experiments share."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from typing import Any, ParamSpec
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,12 +10,29 @@ from matplotlib.figure import Figure
 
 from babbling.axes import FloatArray
 from experiments.shared.judging import Sweep, over_learners
-from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 Rates = Mapping[str, Mapping[str, Mapping[str, Any]]]
 """Panel -> who -> a curve of metrics.json: where (numbers or names), the share there and perhaps its 95 % intervals, in
 this order."""
+Drawn = ParamSpec("Drawn")
+MARKS = "osD^v<>PX"
 STYLES = (("o-", OURS), ("s--", THEIRS), ("^:", DARK))
+
+
+def captioned(caption: str) -> Callable[[Callable[Drawn, Figure]], Callable[Drawn, Figure]]:
+    """Of whatever draws a figure: what it shows, in two sentences; it stands under the figure and in the report."""
+
+    def wrap(draw: Callable[Drawn, Figure]) -> Callable[Drawn, Figure]:
+        @wraps(draw)
+        def drawn(*values: Drawn.args, **named: Drawn.kwargs) -> Figure:
+            figure = draw(*values, **named)
+            figure.set_label(caption)
+            return figure
+
+        return drawn
+
+    return wrap
 
 
 def learning_curve(
@@ -57,13 +75,15 @@ def rates(
     """How often it went well, panels side by side, and a named level; a logarithmic axis begins at none."""
     figure = Figure(figsize=(3.6 * max(len(panels), 2.5) + 0.6, 5.0), layout="constrained")
     row = figure.subplots(1, len(panels), sharey=True, sharex=log, squeeze=False)[0]
-    style, drawn = dict[str, str](), dict[str, Any]()
+    style, drawn = dict[str, tuple[str, str]](), dict[str, Any]()
     for axes, (title, lines) in zip(row, panels.items(), strict=True):
         for method, curve in lines.items():
             at, share, interval = (*curve.values(), None)[:3]
-            style.setdefault(method, f"C{len(style)}{'osD^v<>PX'[len(style) % 9]}{line if len(at) > 1 else ''}")
+            style.setdefault(method, (CYCLE[len(style) % len(CYCLE)], MARKS[len(style) % len(MARKS)]))
+            ink, mark = style[method]
             spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
-            drawn[method] = axes.errorbar(at, share, spread, fmt=style[method], ms=4.5, lw=1.6, elinewidth=1)
+            how = {"ms": 4.5, "lw": 1.6, "elinewidth": 1, "ls": line if len(at) > 1 else ""}
+            drawn[method] = axes.errorbar(at, share, spread, color=ink, marker=mark, **how)
         if level is not None:
             drawn[level[0]] = axes.axhline(level[1], color="black", lw=0.9, ls="--")
         axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))

@@ -6,20 +6,27 @@ Light = tuple[int, int, int]
 
 OURS, THEIRS, PLAIN, DARK = "#e8722a", "#3b6fd4", "#8a8a8a", "#222222"
 """Inks: what the imitator learned or did; the demonstration or another way; what is compared; the truth."""
-INKS = {"red": "#d62728", "blue": "#1f4fd8", "green": "#2ca02c", "yellow": "#d4b400", "magenta": "#c218c2",
-        "orange": "#e07b00", "lime": "#7bbf00", "cyan": "#00a5a5", "violet": "#7a2fd0"}  # fmt: skip
-"""Of features and toys that have these colours."""
+CYCLE = (OURS, THEIRS, "#30e087", "#7000ef", "#ad0000", "#ffbf0d", "#774589", "#b1c7ff")
+"""One thing after the other (goals, rules, runs), on paper and on dark ground; told apart by all eyes."""
+FEATURES = {"red": "#b50000", "blue": "#0040ff", "green": "#40b77c", "yellow": "#e5af02", "magenta": "#b01fb0"}
+BALLS = {"orange": "#a8501c", "lime": "#8fbf1a", "cyan": "#04b4e0", "violet": "#9a3eff"}
+"""Of features of a face, and of toys, that have these colours: each as far from the others as its name allows."""
 
 DEMONSTRATED, IMITATED, REPLAYED = (120, 170, 255), (255, 140, 40), (150, 150, 150)
+EARLIER = (150, 95, 50)
+"""Attempts before the last."""
 ESTIMATED = (110, 220, 150)
 FOUND, EXPECTED = (255, 255, 255), (255, 150, 40)
 """Places on a retina."""
-SERIES = (IMITATED, (110, 200, 120), (200, 120, 230), DEMONSTRATED, (230, 210, 90))
-"""Lights for one thing after the other."""
-GROUND = (30, 34, 40)
+GROUND, GRID = (74, 81, 93), (110, 118, 130, 90)
+"""Behind what is seen in space, and the lines of its floor."""
 
 
 def light(ink: str) -> Light:
     """An ink as red, green, blue of 0 to 255."""
     r, g, b = to_rgb(ink)
     return round(255 * r), round(255 * g), round(255 * b)
+
+
+SERIES = tuple(map(light, CYCLE))
+"""Lights for one thing after the other."""

@@ -14,11 +14,18 @@ import numpy as np
 import pyarrow as pa
 import rerun as rr
 import rerun.blueprint as rrb
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
 from babbling.axes import FloatArray
+from experiments.shared.palette import DEMONSTRATED
 from models.shapes import Part, Shape
+
+STEPS_S = 8.0
+"""Steps a second where there is no other time."""
+GHOSTLY = 90
+"""Of 255: how much of a ghost's meshes is seen."""
 
 
 @contextmanager
@@ -30,7 +37,7 @@ def recording(
     stream = rr.RecordingStream(application, recording_id=name)
     blueprint = rrb.Blueprint(
         layout,
-        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused"),
+        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused", loop_mode="all", fps=STEPS_S),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),
     )
@@ -89,8 +96,9 @@ def log_body(
     *,
     offset: Sequence[float] = (0.0, 0.0, 0.0),
     tint: tuple[int, int, int] | None = None,
+    ghost: bool = False,
 ) -> None:
-    """A body's visible parts, moving."""
+    """A body's visible parts, moving; a ghost's are edges, and meshes that one sees through."""
     for part in parts:
         name = f"{entity}/{rr.escape_entity_path_part(part.name)}"
         places = part.positions + np.asarray(offset)
@@ -101,15 +109,19 @@ def log_body(
             pose = rr.Transform3D(translation=places[0], quaternion=rr.Quaternion(xyzw=part.turns[0]))
             stream.log(name, pose, static=True)
         for shape in part.shapes:
-            _log_shape(stream, f"{name}/{rr.escape_entity_path_part(shape.name)}", shape, tint)
+            _log_shape(stream, f"{name}/{rr.escape_entity_path_part(shape.name)}", shape, tint, ghost)
 
 
-def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tuple[int, int, int] | None) -> None:
+def _log_shape(
+    stream: rr.RecordingStream, entity: str, shape: Shape, tint: tuple[int, int, int] | None, ghost: bool
+) -> None:
     def tinted(rgb: FloatArray) -> NDArray[np.uint8]:
-        return (255 * rgb if tint is None else 0.35 * 255 * rgb + 0.65 * np.array(tint)).astype(np.uint8)
+        share = 1.0 if tint is None else 0.0 if ghost else 0.35
+        return (255 * share * rgb + (1 - share) * np.array(tint or (0, 0, 0))).astype(np.uint8)
 
     size, place, mesh, colour = shape.size, shape.place, shape.mesh, tinted(shape.colour)
-    common: dict[str, Any] = {"colors": [colour], "fill_mode": "solid", "quaternions": [rr.Quaternion(xyzw=shape.turn)]}
+    mode = "majorwireframe" if ghost else "solid"
+    common: dict[str, Any] = {"colors": [colour], "fill_mode": mode, "quaternions": [rr.Quaternion(xyzw=shape.turn)]}
     drawn: Any
     if shape.kind == "capsule":  # it begins at its origin
         start = place - shape.axis * size[1]
@@ -121,8 +133,8 @@ def _log_shape(stream: rr.RecordingStream, entity: str, shape: Shape, tint: tupl
             vertex_positions=mesh.corners,
             vertex_normals=mesh.normals,
             triangle_indices=mesh.triangles,
-            vertex_colors=None if mesh.paint is None else tinted(mesh.paint),
-            albedo_factor=colour if mesh.paint is None else None,
+            vertex_colors=None if mesh.paint is None or ghost else tinted(mesh.paint),
+            albedo_factor=[*colour, GHOSTLY] if ghost else colour if mesh.paint is None else None,
         )
     elif shape.kind == "box":
         drawn = rr.Boxes3D(half_sizes=[size], centers=[place], **common)
@@ -162,12 +174,33 @@ class _Rows:
         return pa.concat_arrays(parts)
 
 
-def log_bars(stream: rr.RecordingStream, entity: str, rows: FloatArray, tick_s: float) -> None:
-    """(T, N) a bar chart that changes through time."""
-    descriptor = rr.ComponentDescriptor(
-        "BarChart:values", archetype="rerun.archetypes.BarChart", component_type="rerun.components.TensorData"
-    )
-    stream.send_columns(entity, ticks(len(rows), tick_s), [rr.ComponentColumn(descriptor, _Rows(rows))])
+BARS = rr.ComponentDescriptor(
+    "BarChart:values", archetype="rerun.archetypes.BarChart", component_type="rerun.components.TensorData"
+)
+
+
+def log_bars(
+    stream: rr.RecordingStream,
+    entity: str,
+    rows: FloatArray,
+    tick_s: float,
+    places: FloatArray | None = None,
+    colour: tuple[int, int, int] = DEMONSTRATED,
+    width: float = 1.0,
+) -> None:
+    """(T, N) a bar chart that changes through time, its bars at these places (0, 1, 2 ... where none are given)."""
+    at = np.arange(rows.shape[1], dtype=float) if places is None else places
+    wide = np.full(len(at), width * np.diff(at).mean() if len(at) > 1 else width)
+    look = rr.BarChart(rows[0], color=colour, abscissa=at, widths=wide).as_component_batches()
+    stream.log(entity, [part for part in look if part.component_descriptor() != BARS], static=True)
+    stream.send_columns(entity, ticks(len(rows), tick_s), [rr.ComponentColumn(BARS, _Rows(rows))])
+
+
+def log_figure(stream: rr.RecordingStream, entity: str, figure: Figure) -> None:
+    """A figure as a still picture."""
+    file = io.BytesIO()
+    figure.savefig(file, dpi=110, format="png", bbox_inches="tight")
+    stream.log(entity, rr.EncodedImage(contents=file.getvalue(), media_type="image/png"), static=True)
 
 
 HEIGHT = 360

@@ -67,8 +67,9 @@ def log_teacher(
 def stick_figure(
     performance: Performance, frames: int, tick_s: float, aside: float = BESIDE, height: float = TEACHER_HEIGHT
 ) -> FloatArray:
-    """(frames, K, 3) m a teacher's points at the imitator's ticks, kept beside it however far it walks."""
-    points = performance.points
+    """(frames, K, 3) m a teacher's points at the imitator's ticks, kept beside it and facing as it does, however far it
+    walks and turns."""
+    points = performance.ahead
     at = np.minimum(np.arange(frames) * tick_s, performance.time[-1])
     columns = points.reshape(len(points), -1).T
     even: FloatArray = np.stack([np.interp(at, performance.time, column) for column in columns], 1)

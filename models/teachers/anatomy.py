@@ -73,7 +73,7 @@ def perform(name: str, teacher: str, time: FloatArray, motion: BodyPoses, refere
     seen = {part: unit(np.einsum("tji,tj->ti", riding["torso"], way)) for part, way in pointing.items()}
     directions = {part: seen[part] for part in PARTS if part in seen}
     points, bones = _skeleton(motion.positions, riding)
-    return Performance(name, teacher, time, directions, points, bones)
+    return Performance(name, teacher, time, directions, points, bones, torso=riding["torso"])
 
 
 def _skeleton(

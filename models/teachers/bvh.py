@@ -93,7 +93,8 @@ def _seen(name: str, tree: _Tree, time: FloatArray, numbers: FloatArray) -> tupl
     across = moving.positions["left_hip"][0] - moving.positions["right_hip"][0]
     world = upright_frame(np.cross(up, np.cross(across, up)), up)
     points = size * (seen.points - moving.positions["pelvis"][0]) @ world
-    return replace(seen, points=points - (0, 0, points[..., 2].min())), remarks
+    torso = None if seen.torso is None else world.T @ seen.torso
+    return replace(seen, points=points - (0, 0, points[..., 2].min()), torso=torso), remarks
 
 
 def _moved(tree: _Tree, numbers: FloatArray, joints: Iterable[int]) -> dict[int, tuple[FloatArray, FloatArray]]:

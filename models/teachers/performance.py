@@ -37,6 +37,7 @@ class Performance:
     points: (T, K, 3) metres in the world, z up: where the teacher's joints are, to draw it.
     bones: pairs of point indices that are connected.
     remarks: what of it was not as usual, a line each.
+    torso: (T, 3, 3) its rotation among the points, to draw it from in front; None where it is not known.
     The arrays are copied and read-only.
     """
 
@@ -47,12 +48,25 @@ class Performance:
     points: FloatArray
     bones: tuple[tuple[int, int], ...]
     remarks: tuple[str, ...] = ()
+    torso: FloatArray | None = None
+
+    @property
+    def ahead(self) -> FloatArray:
+        """(T, K, 3) the points about the torso's upright, turned to face x as nearly as it can: by the psi that
+        maximises tr(Rz(psi) R) of its rotation R, -atan2(R10 - R01, R00 + R11)."""
+        if self.torso is None:
+            return self.points
+        yaw = np.arctan2(self.torso[:, 1, 0] - self.torso[:, 0, 1], self.torso[:, 0, 0] + self.torso[:, 1, 1])
+        cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+        x, y, z = np.moveaxis(self.points, -1, 0)
+        return np.stack([cos * x + sin * y, cos * y - sin * x, z], -1)
 
     def __post_init__(self) -> None:
         directions = {part: _frozen(values) for part, values in self.directions.items()}
         object.__setattr__(self, "time", _frozen(self.time))
         object.__setattr__(self, "points", _frozen(self.points))
         object.__setattr__(self, "directions", MappingProxyType(directions))
+        object.__setattr__(self, "torso", None if self.torso is None else _frozen(self.torso))
 
 
 def unit(vectors: FloatArray) -> FloatArray:

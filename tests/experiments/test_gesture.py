@@ -83,6 +83,18 @@ def test_everything_is_there(done: Path) -> None:
     assert [p for p in done.parent.iterdir()] == [done]  # nothing half done beside it
 
 
+def bars(recording: Path, entity: str) -> tuple[np.ndarray, np.ndarray]:
+    """(T, N) rows of a bar chart that changes, and (N,) where its bars stand."""
+    reader, found = RrdReader(recording), {}
+    for chunk in reader.stream(store=reader.recordings()[0]):
+        if str(chunk.entity_path) == entity:
+            batch = chunk.to_record_batch()
+            for name in {"BarChart:values", "BarChart:abscissa"} & set(batch.schema.names):
+                rows = [row[0]["buffer"] for row in batch.column(name).to_pylist() if row]
+                found[name] = np.array(rows)
+    return found["BarChart:values"], found["BarChart:abscissa"][0]
+
+
 def test_the_error_can_be_recomputed_from_the_recording(done: Path) -> None:
     told = metrics(done)
     seen = series(done / "recording.rrd")
@@ -172,7 +184,15 @@ def test_the_recording_opens_on_its_blueprint_and_shows_the_beliefs(done: Path) 
     store = reader.store(store=reader.recordings()[0])
     paths = {str(path) for path in store.schema().entity_paths()}
     assert "/summary" in paths
-    for root in ("/world/imitator/", "/world/teacher/", "/belief/", "/babbling/", "/correction/", "/error/"):
+    for root in (
+        "/world/imitator/",
+        "/world/sub-goals/",
+        "/world/teacher/",
+        "/belief/",
+        "/loop/",
+        "/figures/",
+        "/error/",
+    ):
         assert any(path.startswith(root) for path in paths), root
     columns = {column.name for column in store.schema().index_columns()}
     assert {"sim_time", "step"} <= columns
@@ -185,6 +205,24 @@ def test_the_recording_opens_on_its_blueprint_and_shows_the_beliefs(done: Path) 
             assert np.ptp(places, axis=0).max() > 0.1  # it moves
     np.testing.assert_array_equal(np.concatenate(steps), 20_000_000)  # 50 Hz, ns
     assert (done / "recording.rrd").stat().st_size < 30e6 * 2 / 20
+
+
+def test_the_loop_that_is_shown_is_the_one_that_went_round(done: Path) -> None:
+    """What was felt is what was done, but for the encoder; the chosen command is the likeliest of Eq. (1)'s bars, and
+    as far beside the sub-goal after it as the commanded line says."""
+    seen = series(done / "recording.rrd")
+    for joint in JOINTS:
+        goal = seen[f"/joints/{joint}/demonstrated"]
+        felt = seen[f"/loop/{joint}/0"] + goal
+        assert np.abs(felt - seen[f"/joints/{joint}/imitated"]).max() < 0.01
+        assert np.abs(seen[f"/loop/{joint}/3"]).max() == 0
+        (posterior, places), (chosen, _) = (bars(done / "recording.rrd", f"/belief/{joint}/now/{which}")
+                                            for which in ("posterior", "chosen"))  # fmt: skip
+        assert posterior.sum(1) == pytest.approx(1, abs=1e-4)
+        at = places[chosen.argmax(1)]
+        assert np.median(np.abs(at - places[posterior.argmax(1)])) <= np.diff(places).mean() * 1.01
+        beside = seen[f"/joints/{joint}/commanded"][:-1] - goal[1:]
+        assert np.abs(at[:-1] - beside).max() <= np.diff(places).mean()
 
 
 def test_it_imitates_better_than_replay_and_better_the_second_time(done: Path) -> None:

@@ -1,5 +1,6 @@
 """What is seen of robots: analytic poses, left is left, and nothing depends on size, place or heading."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -155,6 +156,25 @@ def test_size_place_and_heading_do_not_matter(seed: int, size: float) -> None:
     elsewhere = anatomy.perform("there", "human", time, moved, reference)
     for part in PARTS:
         np.testing.assert_allclose(elsewhere.directions[part], seen.directions[part], atol=1e-9)
+
+
+@given(st.integers(0, 2**31))
+@settings(max_examples=10, deadline=None)
+def test_it_is_drawn_from_in_front_whichever_way_it_turns(seed: int) -> None:
+    """Turned about the upright while it acts, it is drawn as it was; its left shoulder is on the left."""
+    rng = np.random.default_rng(seed)
+    seen = perform("human-raise")
+    turn = Rotation.from_rotvec(np.outer(np.cumsum(rng.normal(size=len(seen.time))), UP)).as_matrix()
+    assert seen.torso is not None
+    turned = replace(
+        seen, points=np.einsum("tij,tkj->tki", turn, seen.points), torso=np.einsum("tij,tjk->tik", turn, seen.torso)
+    )
+    np.testing.assert_allclose(turned.ahead, seen.ahead, atol=1e-9)
+    across = (turned.torso.swapaxes(1, 2) @ UP)[:, 2]
+    assert (across > 0.9).all()  # it stands
+    side = seen.torso[:, :, 1]
+    yaw = np.arctan2(seen.torso[:, 1, 0] - seen.torso[:, 0, 1], seen.torso[:, 0, 0] + seen.torso[:, 1, 1])
+    assert np.abs(np.cos(yaw) * side[:, 0] + np.sin(yaw) * side[:, 1]).max() < 0.2
 
 
 def test_limbs_of_other_lengths_do_not_matter() -> None:

@@ -1,0 +1,90 @@
+"""A page for each run: what was found, its figures with their captions, its film, and the command that made it.
+
+One file that opens from disk, without a server, scripts or anything from elsewhere; text is escaped, summaries are
+Markdown without HTML of their own.
+"""
+
+import base64
+import shlex
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import tyro
+from jinja2 import Environment, StrictUndefined, Template
+from markdown_it import MarkdownIt
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from experiments.registry import EXPERIMENTS
+from experiments.shared.options import Options
+
+FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
+FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
+
+
+def page(
+    name: str,
+    config: Options,
+    summary: str,
+    figures: Mapping[str, Figure],
+    folder: Path,
+    provenance: Mapping[str, Any],
+) -> str:
+    """The report of a run as HTML.
+
+    Args:
+        name: of the experiment.
+        config: its options.
+        summary: Markdown.
+        figures: file stem -> figure; its caption is its label.
+        folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
+        provenance: what config.json says besides the options.
+    """
+    drawn = [
+        {"stem": stem, "caption": figure.get_label(), "data": _inline(folder / f"{stem}.png")}
+        for stem, figure in figures.items()
+    ]
+    films = [
+        {"kind": FILMS[file.suffix], "caption": FILMED, "data": _inline(file)}
+        for file in sorted(folder.glob("film.*"))
+        if file.suffix in FILMS
+    ]
+    return _template().render(
+        name=name,
+        title=command(name, config),
+        line=EXPERIMENTS[name].line,
+        command=command(name, config),
+        summary=Markup(MarkdownIt("commonmark", {"html": False}).enable("table").render(summary)),
+        figures=drawn,
+        films=films,
+        provenance=provenance,
+        recording=(folder / "recording.rrd").exists(),
+        metrics=(folder / "metrics.json").read_text(encoding="utf-8"),
+    )
+
+
+def command(name: str, config: Options) -> str:
+    """What to type for the same run: every option that is not what it would be anyway; not where results go."""
+    words, kinds = ["imitate", name], get_type_hints(type(config), include_extras=True)
+    for field in fields(config):
+        value = getattr(config, field.name)
+        if value == field.default or field.name in ("out", "quiet"):
+            continue
+        option = ("no-" if value is False else "") + field.name.replace("_", "-")
+        words += [] if tyro.conf.Positional in getattr(kinds[field.name], "__metadata__", ()) else [f"--{option}"]
+        words += [] if isinstance(value, bool) else map(str, value if isinstance(value, tuple) else (value,))
+    return shlex.join(words)
+
+
+def _inline(file: Path) -> str:
+    return base64.b64encode(file.read_bytes()).decode()
+
+
+@cache
+def _template() -> Template:
+    whole = (files("experiments.shared") / "report.html").read_text(encoding="utf-8")
+    return Environment(autoescape=True, undefined=StrictUndefined).from_string(whole)

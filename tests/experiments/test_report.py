@@ -1,0 +1,111 @@
+"""The page of a run: complete in one file, its text as it is meant, its command the one that made it."""
+
+import base64
+import io
+import shlex
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from experiments.__main__ import parse
+from experiments.registry import EXPERIMENTS
+from experiments.shared.options import Options
+from experiments.shared.report import command, page
+
+PROVENANCE = {"project": "1", "commit": "abc", "versions": {"numpy": "2"}}
+
+
+class Read(HTMLParser):
+    """Tags with their attributes, and the text between them."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags, self.words = list[tuple[str, dict[str, str | None]]](), list[str]()
+        self.open = list[str]()
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in ("meta", "img", "br", "hr"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def figure() -> Figure:
+    drawn = Figure(figsize=(2, 1))
+    drawn.subplots().plot([0, 1])
+    drawn.set_label("What <is> & what is shown.")
+    return drawn
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    figure().savefig(tmp_path / "it.png", dpi=20)
+    Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / "film.gif")
+    (tmp_path / "metrics.json").write_text('{"a": "<b>"}')
+    return tmp_path
+
+
+def made(folder: Path, summary: str = "# Found\n\nwords") -> Read:
+    config = parse(EXPERIMENTS["maze"].options(), "maze", [])
+    assert config is not None
+    found = Read(page("maze", config, summary, {"it": figure()}, folder, PROVENANCE))
+    assert not found.open
+    return found
+
+
+def test_everything_is_in_the_one_file(folder: Path) -> None:
+    found = made(folder)
+    kept = [
+        value for _, attributes in found.tags for key, value in attributes.items() if key in ("src", "href", "data")
+    ]
+    assert kept and all(value and value.startswith(("data:", "#")) for value in kept)
+    assert not [tag for tag, _ in found.tags if tag in ("script", "link", "iframe", "object")]
+    pictures = [attributes["src"] or "" for tag, attributes in found.tags if tag == "img"]
+    sizes = [Image.open(io.BytesIO(base64.b64decode(one.partition(",")[2]))).size for one in pictures]
+    assert sizes == [(4, 4), Image.open(folder / "it.png").size]
+
+
+def test_words_are_as_they_were_and_tables_are_tables(folder: Path) -> None:
+    found = made(folder, "# Found <script>x</script>\n\n| a | b |\n| --- | --- |\n| 1 | <i>2</i> |")
+    said = "".join(found.words)
+    assert "What <is> & what is shown." in said and "Found <script>x</script>" in said and '{"a": "<b>"}' in said
+    assert [tag for tag, _ in found.tags if tag in ("table", "th", "td", "i", "script")] == [
+        "table",
+        "th",
+        "th",
+        "td",
+        "td",
+    ]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["gesture"],
+        ["gesture", "--seed", "3", "--attempts", "2", "--film", "gif", "--correspondence", "ik", "--servos"],
+        ["gesture", "--stand", "--push", "1,0,4,0", "--clips", "icub-wave", "human-raise", "--babbling-minutes", "7.5"],
+        ["maze", "--goal-prior", "0.5,0.25,0.25", "--deferred"],
+        ["intentions", "--wants", "apart=1", "up=2"],
+        ["face", "--gesture", "mouth open", "--scramble", "4"],
+        ["compare", "runs/a b", "runs/c"],
+    ],
+    ids=" ".join,
+)
+def test_the_command_that_is_shown_gives_the_same_options(words: list[str]) -> None:
+    name, kind = words[0], EXPERIMENTS[words[0]].options()
+    config = parse(kind, name, [*words[1:], *([] if name == "compare" else ["--out", "somewhere", "--quiet"])])
+    assert isinstance(config, Options)
+    shown = shlex.split(command(name, config))
+    assert shown[:2] == ["imitate", name] and sorted(shown[1:]) == sorted(words)
+    assert parse(kind, name, shown[2:]) == parse(kind, name, words[1:])
