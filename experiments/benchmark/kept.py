@@ -2,12 +2,12 @@
 
 import hashlib
 import json
-import os
 from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
 
+from babbling.whole import whole
 from experiments.benchmark.lives import Point, Task, live
 from experiments.errors import ExperimentError
 from experiments.shared.experiment import as_json, commit
@@ -28,9 +28,9 @@ def lived(task: Task, folder: Path | None = None) -> list[Point]:
         return _read(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        points, beside = live(task), path.with_suffix(f".{os.getpid()}")
-        beside.write_text(as_json([asdict(point) for point in points]))
-        os.replace(beside, path)
+        points = live(task)
+        with whole(path) as beside:
+            beside.write_text(as_json([asdict(point) for point in points]))
     except OSError as error:
         raise ExperimentError(f"--keep {folder}: cannot be written ({error.strerror}); name another folder") from error
     return points

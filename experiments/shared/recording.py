@@ -3,9 +3,11 @@
 Episodes are buffered and sent once, column by column: a recording is then small and quick to open.
 """
 
+import errno
 import io
+import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +22,19 @@ from PIL import Image
 from babbling.axes import FloatArray
 from models.shapes import Part, Shape
 
+END = b"RRF2FOOT...."
+"""What a recording that is whole ends with; dots are any bytes."""
+
 
 @contextmanager
 def recording(
     path: Path, application: str, name: str, layout: rrb.Container, summary: str, timeline: str = "sim_time"
 ) -> Iterator[rr.RecordingStream]:
-    """A recording stream into a file, layout and summary inside; complete when the block ends."""
+    """A recording stream into a file, layout and summary inside; complete when the block ends.
+
+    Raises:
+        OSError: it is not.
+    """
     rr.set_strict_mode(True)
     stream = rr.RecordingStream(application, recording_id=name)
     blueprint = rrb.Blueprint(
@@ -38,8 +47,13 @@ def recording(
     stream.send_recording_name(name)
     stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     yield stream
-    stream.flush()
+    with suppress(RuntimeError):  # not all that fails is told
+        stream.flush()
     stream.disconnect()
+    with path.open("rb") as written:
+        written.seek(-min(len(END), path.stat().st_size), os.SEEK_END)
+        if not written.read().startswith(END.rstrip(b".")):
+            raise OSError(errno.EIO, "the recording is cut short: is the disk full?")
 
 
 def ticks(count: int, tick_s: float) -> list[rr.TimeColumn]:

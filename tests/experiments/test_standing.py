@@ -15,12 +15,12 @@ from babbling.files import load
 from babbling.kalman import Belief
 from babbling.mind import Mind, learn
 from experiments.__main__ import main
+from experiments.shared.journal import Journal
+from experiments.shared.one_leg import Learner, learn_balance
 from experiments.shared.options import BodyOptions
 from experiments.shared.standing import (
     Joints,
-    Learner,
     Performance,
-    learn_balance,
     perform,
     standing_of,
     wander,
@@ -41,8 +41,9 @@ def hurried(hasty: None) -> Iterator[list[float]]:
     """Fewer and shorter bouts on one's feet; and what was reported meanwhile."""
     short = {"ROCKING_S": 4.0, "WIGGLING": 12, "WIGGLING_S": 6.0, "STAGE": 4, "STAGE_S": 3.0, "STAGES": (0.2,)}
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in {**short, "REST_S": 0.2}.items():
-            patch.setattr(standing, name, value)
+        patch.setattr(standing, "REST_S", 0.2)
+        for name, value in short.items():
+            patch.setattr(one_leg, name, value)
         yield []
 
 
@@ -58,7 +59,7 @@ def mind(hasty: None) -> Mind:
 
 @pytest.fixture(scope="module")
 def balance(hurried: list[float], hung: SimulatedBody, mind: Mind) -> Balance:
-    return learn_balance(OPTIONS, mind, hung, hurried.append)
+    return learn_balance(Learner(OPTIONS, mind, hung, hurried.append, Journal()))
 
 
 def raise_arms(hung: SimulatedBody, seconds: float = 0.6) -> Movement:
