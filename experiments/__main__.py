@@ -8,7 +8,10 @@ it cannot be written otherwise (a full disk) that is 2: files and folders that w
 import os
 import sys
 
-from experiments import stopping
+try:
+    from experiments import stopping
+except KeyboardInterrupt:  # so soon
+    os._exit(130)
 
 
 def main(arguments: list[str] | None = None) -> int:
