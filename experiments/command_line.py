@@ -106,7 +106,6 @@ def load(one: Entry, config: "Options") -> ModuleType:
     renders = getattr(config, "renderer", "rays") == "mujoco"
     if not renders:
         os.environ["MUJOCO_GL"] = "disabled"
-    os.environ.setdefault("RUST_LOG", "off")  # what Rerun cannot write is said in our own words
     try:
         return one.load()
     except (AttributeError, ImportError, RuntimeError) as error:  # what MuJoCo's bindings make of it

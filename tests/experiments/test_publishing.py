@@ -116,7 +116,6 @@ def test_one_that_fails_leaves_nothing_not_even_the_folders_above(tmp_path: Path
 FILLS = """
 import json, os, resource, sys
 from pathlib import Path
-os.environ["RUST_LOG"] = "off"
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
