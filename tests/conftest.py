@@ -98,6 +98,7 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     replace(experiments.shared.minds, "COPIES", 8)
     replace(experiments.shared.minds, "BARE_TICKS", 10)
     replace(experiments.shared.minds, "EVERY_S", 0.0)
+    replace(experiments.shared.minds, "SPARING", 0.0)
     replace(babbling.loop.bouts, "__defaults__", (150,))
     replace(imitation.acting.movement, "APPROACH_S", 1.0)
     replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))

@@ -39,15 +39,14 @@ def elsewhere(work: Callable[..., Found], count: int, *arguments: Sequence[Any])
     with ProcessPoolExecutor(count, get_context("spawn"), _attend) as pool:
         try:
             with _signals_held():
-                found = pool.map(work, *arguments)
-            yield from found
+                futures = [pool.submit(work, *one) for one in zip(*arguments, strict=True)]
+            yield from (future.result() for future in futures)
         except BrokenProcessPool as error:
             raise ExperimentError(
                 "a process that worked was killed, by somebody or for want of memory; fewer --workers need less"
             ) from error
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in active_children():
+            for process in active_children():  # futures that were cancelled would make the pool's own thread complain
                 process.kill()
             raise
 

@@ -23,8 +23,9 @@ from models.body import SimulatedBody
 from models.loading import load_body
 from models.units import SHOWN
 
-EVERY_S = 12.0
-"""Wall time after which what was learned so far is kept (0.2 s), as soon as a bout ends; half of it in rehearsal."""
+EVERY_S, SPARING = 13.0, 50.0
+"""Wall time after which what was learned so far is kept, as soon as a bout (1.5 s) ends, sooner where a rehearsal's
+round (6 s) does; but no sooner than so many times what keeping took last (0.2 s)."""
 COPIES, PILOT_SHARE = 8, 0.6
 """Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
@@ -124,7 +125,7 @@ def learn_mind(
     body = body_of(options, copies)
     more = minutes - pilot_minutes(copies)
     plan = bouts(more, body) if more * 60 > body.tick_s * copies else ()
-    kept = clock = time.perf_counter()
+    kept, cost_s = (clock := time.perf_counter()), 0.0
     left = _left(checkpoint, body, options, minutes, plan)
     if left is None:
         found, model = begin(body, options.seed)
@@ -138,18 +139,19 @@ def learn_mind(
         return Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
 
     def keep(done: int, after_s: float) -> None:
-        nonlocal kept
-        if checkpoint is not None and time.perf_counter() - kept >= after_s:
+        nonlocal kept, cost_s
+        if checkpoint is not None and (begun := time.perf_counter()) - kept >= max(after_s, SPARING * cost_s):
             felt = np.array(rehearsed).reshape(-1, len(EAGERNESS), len(model.factors))
             points, wall_s = np.array(held_out.points).reshape(-1, 3), np.array([piloted, spent])
             save(Interrupted(unrehearsed(), minutes, options.sensor_noise_deg, done, points, felt, wall_s), checkpoint)
             kept = time.perf_counter()
+            cost_s = kept - begun
 
     def after_bout(done: int, model: Explanations) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
         held_out.note(sum(plan[:done]) * copies * body.tick_s / 60, model)
-        keep(done, EVERY_S if done < len(plan) else EVERY_S / 2)
+        keep(done, EVERY_S if done < len(plan) else EVERY_S * 0.7)
         report(0.95 * done / len(plan))
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
@@ -157,7 +159,7 @@ def learn_mind(
     def after_rehearsing(errors: FloatArray) -> None:
         rehearsed.append(errors)
         if not options.sensor_noise_deg:  # else the next would feel other noise in another process
-            keep(len(plan), EVERY_S / 2)
+            keep(len(plan), EVERY_S * 0.7)
 
     keep(first, EVERY_S)
     body.reseed(1 + first)

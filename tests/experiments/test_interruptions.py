@@ -39,9 +39,14 @@ def obey(words):
         if how == "lost":
             Lost()
         if how == "workers":
-            from threading import Timer
+            from threading import Thread
             from experiments.shared.parallel import in_parallel
-            Timer(1.0, ready).start()
+            def begun():
+                while len(active_children()) < 2:
+                    time.sleep(0.01)
+                time.sleep(0.15)  # they are loading
+                ready()
+            Thread(target=begun, daemon=True).start()
             in_parallel(time.sleep, [60, 60, 60, 60], 2, "sleeping")
         ready()
         time.sleep(60)
