@@ -5,10 +5,11 @@ is a variable named by its path; several things of one class are laid end to end
 arrays of the CF conventions, section 9.3.3); a forward model is its visits, moments and axes.
 
 Strangers' files are read too. Sizes are bounded before anything is read, nothing is read but what the annotations name,
-and all of it is checked against them; whatever is wrong is one line. Files are written beside and renamed.
+and all of it is checked against them; whatever is wrong is one line.
 """
 
 import hashlib
+import io
 import os
 import re
 import stat
@@ -28,6 +29,7 @@ from babbling.forward_model import ForwardModel
 from babbling.kinds import KINDS, Kind, Numbers
 from babbling.regression import SCALE
 from babbling.variables import Variables, letters
+from babbling.whole import whole
 
 FORMAT, VERSION = "imitation-laboratory", 4
 LARGEST_BYTES, MOST_ENTRIES, MOST_AXES, MOST_COUNTS = 1 << 30, 1 << 16, 8, 2.0**62
@@ -51,25 +53,21 @@ def save(thing: object, path: Path, labels: Mapping[str, Sequence[str]] | None =
         BabblingError: the place cannot be written, or the thing holds what could not be read again.
     """
     name, kind = _kind(type(thing))
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    content = io.BytesIO()  # HDF5 dies of a full disk
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with h5netcdf.File(beside, "w") as file:
+        with h5netcdf.File(content, "w") as file:
             file.attrs.update({"format": f"{FORMAT} {name}", "version": VERSION, **notes})
             held = Variables(file)
             _walk(held, type(thing), "", thing)
             held.finish()
             for dim, names in (labels or {}).items():
                 held.put(f"{dim}_name", (dim, f"{dim}_name_letters"), letters(names))
-        seal(beside)
-        os.replace(beside, path)
+        with whole(path) as beside:
+            beside.write_bytes(sealed(content.getbuffer()))
     except BabblingError as error:
         raise kind.error(f"{path}: cannot be written: {error}") from error
     except OSError as error:
         raise kind.error(f"{path}: cannot be written ({error.strerror or error}); name a place that can") from error
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)
 
 
 def load(path: Path, holds: type[T]) -> T:
@@ -99,10 +97,11 @@ def load(path: Path, holds: type[T]) -> T:
         raise kind.error(f"{path}: this NetCDF-4 file is damaged; make it anew") from error
 
 
-def is_kind(path: Path, holds: type) -> bool:
-    """Whether a file is of this kind, of whatever version, by its header alone."""
+def is_kind(path: Path, holds: type, **notes: str | float) -> bool:
+    """Whether a file is of this kind, of whatever version, and has these notes, by its header alone."""
     with suppress(Exception), opened(path) as file:
-        return _attribute(file, "format") == f"{FORMAT} {_kind(holds)[0]}"
+        told = {"format": f"{FORMAT} {_kind(holds)[0]}", **notes}
+        return all(_attribute(file, name) == value for name, value in told.items())
     return False
 
 
@@ -137,10 +136,9 @@ def opened(path: Path) -> h5py.File:
         raise BabblingError("not a readable NetCDF-4 file (truncated, or something else); make it anew") from error
 
 
-def seal(path: Path) -> None:
-    """Put its checksum behind the end of a file that is complete."""
-    with path.open("r+b") as content:
-        content.write(_seal(content.read()))
+def sealed(content: bytes | memoryview) -> bytes:
+    """A file that is complete, its checksum behind its end."""
+    return bytes(content) + _seal(content)
 
 
 def _seal(content: bytes | memoryview) -> bytes:

@@ -1,148 +1,72 @@
-"""The command line: `imitate NAME [options]`, `imitate list`, `imitate --help`, `--version`, `--completion SHELL`."""
+"""`imitate` and `python -m experiments`: the frame of `experiments.command_line`, whatever becomes of it.
 
-import io
+Exit statuses: 0; 2 for what the user can mend, with one line on standard error; 129, 130 or 143 when told to stop by
+SIGHUP, SIGINT (Ctrl-C) or SIGTERM; 141, without a word, when nobody reads standard output any more (`| head -1`). When
+it cannot be written otherwise (a full disk) that is 2: files and folders that were written by then stand.
+"""
+
 import os
-import re
 import sys
-from contextlib import ExitStack, redirect_stderr, redirect_stdout
-from importlib.metadata import version
-from pathlib import Path
-from typing import TYPE_CHECKING
 
-from babbling.errors import BabblingError
-from experiments.errors import ExperimentError
-from experiments.registry import EXPERIMENTS, Entry, entry
-from models.errors import BodyError
-
-if TYPE_CHECKING:
-    from experiments.shared.options import Options
-
-USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | imitate --version
-       eval "$(imitate --completion bash)" completes names and options (zsh: the same)"""
+try:
+    from experiments import stopping
+except KeyboardInterrupt:  # so soon
+    os._exit(130)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one experiment; the exit status is 0, 2 for what the user can mend, 130 when interrupted."""
-    words = sys.argv[1:] if arguments is None else arguments
+    """Do what the words ask; the exit status. None are this process's, whose signals and streams are minded then."""
+    ours = arguments is None
+    if ours:
+        stopping.attend()
+        streams()
     try:
-        if not words or words[0] in ("-h", "--help", "list"):
-            listing(full=not words or words[0] != "list")
-            return 0
-        if words[0] in ("--version", "--completion"):
-            print(about() if words[0] == "--version" else completion(words[1:]), end="")
-            return 0
-        return run(words[0], words[1:])
-    except (BabblingError, BodyError) as error:
-        print(f"imitate: {' '.join(str(error).split())}", file=sys.stderr)
+        from experiments.command_line import obey
+
+        status = obey(sys.argv[1:] if arguments is None else arguments)
+        sys.stdout.flush()
+    except BaseException as error:
+        status = last_words(error)
+    if ours:
+        stopping.deaf()
+        try:
+            sys.stdout.flush()
+        except OSError:  # or Python would try again, and exit with a status of its own
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    return status
+
+
+def last_words(error: BaseException) -> int:
+    """Say in a line what ended it; the exit status. Our own faults are raised again."""
+    if isinstance(error, KeyboardInterrupt) or stopping.stopped():
+        stopping.say(stopping.WORDS)
+        return 128 + (stopping.stopped() or 2)
+    if isinstance(error, BrokenPipeError) or isinstance(error.__context__, BrokenPipeError):  # rich makes an exit of it
+        return 141
+    if isinstance(error, OSError):
+        what = f"{error.filename}: cannot be read or" if error.filename else "standard output: cannot be"
+        stopping.say(f"{what} written ({error.strerror or error}); what was written before stands")
         return 2
-    except KeyboardInterrupt:
-        print(
-            "imitate: interrupted; results appear whole or not at all, and `imitate babble` goes on when repeated",
-            file=sys.stderr,
-        )
-        return 130
+    raise error
+
+
+def streams() -> None:
+    """Standard streams that are open, and that print letters they do not have as question marks."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    sys.stdout = sys.stdout or open(os.devnull, "w")
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
 
 
 def script(package: str | None) -> None:
     """Run the experiment that this package is, with the words of the command line (`python -m experiments.NAME`)."""
-    sys.exit(main([str(package).rpartition(".")[2], *sys.argv[1:]]))
-
-
-def about() -> str:
-    """Version, and commit where there is one."""
-    from experiments.shared.experiment import commit
-
-    where = commit()
-    return f"imitate {version('imitation-laboratory')}{f' ({where})' if where else ''}\n"
-
-
-def completion(words: list[str]) -> str:
-    """The script that completes names and options in a shell."""
-    from experiments.completion import script
-
-    return script(" ".join(words) or "bash")
-
-
-def listing(*, full: bool) -> None:
-    """Every experiment with its line."""
-    if full:
-        print(USAGE + "\n")
-    width = max(map(len, EXPERIMENTS))
-    for name, one in EXPERIMENTS.items():
-        print(f"  {name:<{width}}  {one.line}")
-
-
-def run(name: str, words: list[str]) -> int:
-    """Parse options and do it, in silence where that is wanted; the exit status."""
-    one = entry(name)
-    config = parse(one.options(), name, words)
-    if config is None:
-        return 0
-    config.check()
-    with ExitStack() as silence:
-        if config.quiet:
-            nowhere = silence.enter_context(open(os.devnull, "w"))
-            silence.enter_context(redirect_stdout(nowhere))
-            silence.enter_context(redirect_stderr(nowhere))
-        out = do(one, name, config)
-    if config.quiet:
-        print(out)
-    return 0
-
-
-def do(one: Entry, name: str, config: "Options") -> Path:
-    """Run, publish, show; where the results are."""
-    module = one.load()
-    if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
-        left: Path = module.command(config)
-        return left
-    from experiments.shared.experiment import check_out, folder, publish
-    from experiments.shared.tables import show
-
-    check_out(folder(name, config))
-    result = module.run(config)
-    out = publish(name, config, result)
-    show(result.summary)
-    print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
-    return out
-
-
-def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None":
-    """The options as an instance of `kind`; None when only help was wanted.
-
-    Raises:
-        ExperimentError: what tyro says in a box, in one line.
-    """
-    import tyro
-
-    said = io.StringIO()
-    try:
-        with redirect_stderr(said):
-            return tyro.cli(kind, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
-    except SystemExit as stop:
-        if stop.code in (0, None):
-            return None
-        raise ExperimentError(in_one_line(said.getvalue(), name)) from None
-
-
-PLAIN = (
-    (r"Error parsing (--\S+): invalid literal for int\(\) with base 10: (.*)", r"\1 \2: this is not a whole number"),
-    (r"Error parsing (--\S+): could not convert string to float: (.*)", r"\1 \2: this is not a number"),
-    (r"Missing value for argument '(--\S+)'.*", r"\1: a value is missing"),
-    (r"Unrecognized options?: (.*)", r"unknown option \1"),
-)
-
-
-def in_one_line(box: str, name: str) -> str:
-    """The message and the suggestions out of tyro's boxes."""
-    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines() if line[:1] not in "╭╰"]
-    parts = [" ".join(part.split()) for part in re.split(r"\n─+\n", "\n".join(lines))]
-    message = parts[0] or "these options cannot be understood"
-    for pattern, plain in PLAIN:
-        message = re.sub(f"^{pattern}$", plain, message)
-    meant = re.findall(r"(?<!\S)--[a-z][a-z-]*", " ".join(p for p in parts[1:] if p.startswith("Perhaps you meant")))
-    hint = f"; did you mean {' or '.join(dict.fromkeys(meant))}?" if meant else ""
-    return f"{message}{hint}; `imitate {name} --help` lists what there is"
+    sys.argv[1:1] = [str(package).rpartition(".")[2]]
+    sys.exit(main())
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Shared fixtures: where outside data stands, when it does."""
 
 import os
+import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -65,19 +66,17 @@ ARM = """
 @pytest.fixture(scope="session", autouse=True)
 def every_view_shows_something() -> Iterator[None]:
     """Whatever is recorded in any test: no panel of its blueprint is empty."""
-    places, save, end = dict[int, Path](), rr.RecordingStream.save, rr.RecordingStream.disconnect
+    drain = rr.MemoryRecording.drain_as_bytes
 
-    def begin(stream: rr.RecordingStream, path: Path, **how: Any) -> None:
-        places[id(stream)] = Path(path)
-        save(stream, path, **how)
-
-    def finish(stream: rr.RecordingStream) -> None:
-        end(stream)
-        assert not (empty := empty_views(places.pop(id(stream)))), f"nothing is seen in {empty}"
+    def drained(held: rr.MemoryRecording) -> bytes:
+        content = drain(held)
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "it.rrd").write_bytes(content)
+            assert not (empty := empty_views(Path(folder) / "it.rrd")), f"nothing is seen in {empty}"
+        return content
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rr.RecordingStream, "save", begin)
-        patch.setattr(rr.RecordingStream, "disconnect", finish)
+        patch.setattr(rr.MemoryRecording, "drain_as_bytes", drained)
         yield
 
 
@@ -118,6 +117,8 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     """What takes long only to be good for a robot of 25 joints, made short."""
     replace(experiments.shared.minds, "COPIES", 8)
     replace(experiments.shared.minds, "BARE_TICKS", 10)
+    replace(experiments.shared.minds, "EVERY_S", 0.0)
+    replace(experiments.shared.minds, "SPARING", 0.0)
     replace(babbling.loop.bouts, "__defaults__", (150,))
     replace(imitation.acting.movement, "APPROACH_S", 1.0)
     replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))

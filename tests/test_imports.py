@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-LAZY = {"experiments.__main__", "experiments.registry"}
+LAZY = {"experiments.__main__", "experiments.command_line", "experiments.registry"}
 """Who may import modules of the project inside a function: help must not wait for physics."""
 NUMBERS = {"numpy", "scipy", "h5netcdf", "h5py"}
 MAY_IMPORT = {

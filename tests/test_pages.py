@@ -17,7 +17,8 @@ import experiments
 from babbling.loop import babble  # noqa: F401
 from babbling.mind import learn
 from babbling.states import Wanderer  # noqa: F401
-from experiments.__main__ import main, parse
+from experiments.__main__ import main
+from experiments.command_line import parse
 from experiments.registry import EXPERIMENTS, Entry
 from imitation.acting.follow import Follower, follow  # noqa: F401  (what the pages name)
 from imitation.acting.loop import Imitator  # noqa: F401

@@ -19,7 +19,8 @@ class Config(BodyOptions):
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The file (runs/ROBOT.nc); its learning curve is drawn beside it."""
+    """The file (runs/ROBOT.nc); its learning curve is drawn beside it. One that these options made is left as it is,
+    one of other options is replaced."""
 
     stand: bool = False
     """Afterwards, also learn to stand on one's own feet; FILE.balance.nc is left beside FILE.nc."""

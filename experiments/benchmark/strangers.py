@@ -20,6 +20,7 @@ import numpy as np
 import tyro
 
 from babbling.errors import BabblingError
+from babbling.whole import whole
 from experiments.errors import ExperimentError
 from experiments.gesture.options import Config as Gesture
 from experiments.gesture.run import measure, perform
@@ -164,12 +165,10 @@ def told(done: Sequence[Mapping[str, Any]]) -> str:
 
 def keep(config: Config, done: Sequence[Mapping[str, Any]]) -> None:
     """Write all numbers, whole or not at all."""
-    beside = config.out.with_name(f".{config.out.name}.part")
+    packages = {name: STRANGERS[name].package for name in config.robots}
     try:
-        config.out.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(as_json({"packages": {name: STRANGERS[name].package for name in config.robots},
-                                   "seeds": config.seeds, "lives": done}))  # fmt: skip
-        beside.replace(config.out)
+        with whole(config.out) as beside:
+            beside.write_text(as_json({"packages": packages, "seeds": config.seeds, "lives": done}))
     except OSError as error:
         raise ExperimentError(f"--out {config.out}: cannot be written ({error.strerror or error})") from error
 

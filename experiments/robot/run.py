@@ -1,14 +1,13 @@
 """A robot's card: what it is as a body that babbles, what would be refused, and a movement it can begin with."""
 
 import csv
-import os
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from babbling.axes import FloatArray
+from babbling.whole import whole
 from experiments.errors import ExperimentError
 from experiments.robot.options import Config
 from experiments.shared.baselines import direct_replay
@@ -92,19 +91,13 @@ def write(path: Path, body: SimulatedBody, angles: FloatArray) -> None:
     Raises:
         ExperimentError: it cannot be written, or something is there.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     header = ["time", *(f"{joint} [{unit}]" for joint, unit in zip(body.joints, body.shown_units, strict=True))]
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with beside.open("w", newline="", encoding="utf-8") as file:
+        with whole(path, over=False) as beside, beside.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file, lineterminator="\n")
             rows.writerow(header)
             for tick, row in enumerate(angles * body.shown_scale):
                 rows.writerow([f"{tick * TICK_S:.2f}", *(f"{value:.6f}" for value in row)])
-        os.link(beside, path)  # unlike a renaming, refused where something is there
     except OSError as error:
         why = error.strerror or error
         raise ExperimentError(f"--template {path}: cannot be written ({why}); name a place that can") from error
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)

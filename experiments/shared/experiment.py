@@ -4,21 +4,24 @@ An experiment is a folder of this package with `options.py` (a dataclass `Config
 `run(config) -> Result`), and an entry in `experiments.registry.EXPERIMENTS`.
 """
 
+import hashlib
 import json
 import os
-import shutil
 import subprocess
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar, copy_context
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from babbling.errors import BabblingError
 from babbling.files import is_kind
+from babbling.whole import folder_beside, sweep, whole
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
+from experiments.stopping import say
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +32,7 @@ class Result:
     """What a run found, before anything is written."""
 
     metrics: dict[str, Any]
-    """Numbers, by name; keys that end in _s, _ms or _factor are timings and may differ between runs."""
+    """Numbers, by name; keys that end in _s, _ms, _factor or _mb may differ between runs."""
     summary: str
     """Markdown: the result as a table, for the terminal and the recording."""
     figures: Mapping[str, "Figure"] = field(default_factory=dict)
@@ -40,6 +43,19 @@ class Result:
     """Further files: name -> writer."""
 
 
+class Described(NamedTuple):
+    """What a recording says of the run that made it."""
+
+    identity: str
+    """The same for the same experiment and options alone: two runs that differ in any stay apart in one viewer."""
+    properties: Mapping[str, Mapping[str, Any]]
+    """Options and single numbers, by section and name."""
+
+
+RUN: ContextVar[Described | None] = ContextVar("RUN", default=None)
+"""Whose recording is being written."""
+MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
+"""Options that results do not depend on."""
 LARGEST_NOTES = 1 << 20
 LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "h5netcdf", "rerun-sdk", "matplotlib")
 
@@ -53,27 +69,37 @@ def publish(name: str, config: Options, result: Result) -> Path:
     Raises:
         ExperimentError: the folder cannot be written, or is not one of ours.
     """
+    from experiments.shared.report import draw, page  # they load Matplotlib and a template engine
+
     shown = folder(name, config)
-    out = shown.resolve()
     check_out(shown)
-    with writing(shown):
-        out.parent.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=f".{out.name}-", dir=out.parent))
-    try:
-        beside.chmod(0o755)
-        (beside / "metrics.json").write_text(as_json(result.metrics))
-        for stem, figure in result.figures.items():
-            figure.savefig(beside / f"{stem}.png", dpi=130, bbox_inches="tight")
-        for file, write in result.files.items():
-            write(beside / file)
-        if result.record is not None:
-            result.record(beside / "recording.rrd")
+    with writing(shown), whole(shown.resolve()) as beside:
+        beside.mkdir()
+        try:
+            (beside / "metrics.json").write_text(as_json(result.metrics))
+            for stem, figure in result.figures.items():
+                draw(figure, beside / f"{stem}.png")
+            for file, write in result.files.items():
+                write(beside / file)
+            told = provenance(name, config)
+            if result.record is not None:
+                copy_context().run(_recorded, result.record, beside / "recording.rrd", told, result.metrics)
+            (beside / "report.html").write_text(
+                page(name, config, result.summary, result.figures, beside, told), encoding="utf-8"
+            )
+        except BabblingError as error:  # a writer's, of a place that nobody knows
+            raise ExperimentError(str(error).replace(str(beside), str(shown))) from error
         files = sorted(["config.json", *(file.name for file in beside.iterdir())])
-        (beside / "config.json").write_text(as_json({**provenance(name, config), "files": files}))
-        _swap(beside, out)
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
+        (beside / "config.json").write_text(as_json({**told, "files": files}))
     return shown
+
+
+def _recorded(record: Callable[[Path], None], path: Path, told: Mapping[str, Any], metrics: Mapping[str, Any]) -> None:
+    options = {key: value for key, value in told["options"].items() if key not in MAKES_NO_DIFFERENCE}
+    digest = hashlib.sha256(as_json([told["experiment"], options]).encode()).hexdigest()[:12]
+    numbers = {key: value for key, value in metrics.items() if isinstance(value, bool | int | float | str)}
+    RUN.set(Described(f"{told['experiment']}-{digest}", {"options": options, "metrics": numbers}))
+    record(path)
 
 
 def folder(name: str, config: Options) -> Path:
@@ -88,6 +114,7 @@ def check_out(out: Path) -> None:
         ExperimentError: see `publish`.
     """
     with writing(out):
+        have_back(out)
         if out.exists() and not out.is_dir():
             raise ExperimentError(f"--out {out}: this is a file; name a folder")
         if out.exists() and os.path.ismount(out):
@@ -97,23 +124,48 @@ def check_out(out: Path) -> None:
             raise ExperimentError(
                 f"--out {out}: this folder holds other things than a result ({strangers[0]!r}); name another"
             )
+        try_place(out)
 
 
 @contextmanager
 def writing(out: Path, kind: str = "folder") -> Iterator[None]:
-    """A block after which something is written to `out`; permissions alone do not tell whether that will do, so the
-    nearest folder above it is tried with an empty one.
+    """A block in which `out` is looked at or written.
 
     Raises:
-        ExperimentError: it cannot be written.
+        ExperimentError: it cannot be.
     """
     try:
         yield
-        above = next(place for place in out.absolute().resolve().parents if place.exists())
-        os.rmdir(tempfile.mkdtemp(prefix=".imitate-", dir=above))
     except OSError as error:
         why = error.strerror or error
         raise ExperimentError(f"--out {out}: cannot be written ({why}); name a {kind} that can") from error
+
+
+def have_back(out: Path) -> None:
+    """Sweep what dead processes left of writing `out`, and say so where that brought back an older result.
+
+    Raises:
+        ExperimentError: its name has letters that not all libraries could write here.
+    """
+    try:
+        str(out.absolute()).encode()
+    except UnicodeEncodeError as error:
+        raise ExperimentError(
+            f"--out {out}: this name is not text in this locale; set PYTHONUTF8=1, or choose a plainer name"
+        ) from error
+    if sweep(out.absolute().resolve()):
+        say(f"{out}: whoever was replacing this was killed; the older result is back")
+
+
+def try_place(out: Path) -> None:
+    """Make a folder where `out` would be, and remove it: permissions alone do not tell whether that will do.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    place = out.absolute().resolve()
+    with folder_beside(next(above for above in place.parents if above.exists()) / place.name):
+        pass
 
 
 def check_file(out: Path, holds: type, what: str, beside: Sequence[Path] = (), *, new: bool = False) -> None:
@@ -130,6 +182,7 @@ def check_file(out: Path, holds: type, what: str, beside: Sequence[Path] = (), *
         ExperimentError: a directory, another kind of file, strangers beside it, a place that cannot be written.
     """
     with writing(out, "file"):
+        have_back(out)
         if out.is_dir():
             raise ExperimentError(f"--out {out}: this is a directory; name a file such as {out / 'learned.nc'}")
         if out.suffix != ".nc":
@@ -139,6 +192,7 @@ def check_file(out: Path, holds: type, what: str, beside: Sequence[Path] = (), *
             raise ExperimentError(f"{out}: this {said} and would be lost; choose another name")
         if not out.exists() and (taken := [file.name for file in beside if file.exists()]):
             raise ExperimentError(f"--out {out}: {taken[0]} is there already and would be lost; choose another name")
+        try_place(out)
 
 
 def _strangers(out: Path) -> list[str]:
@@ -151,21 +205,6 @@ def _strangers(out: Path) -> list[str]:
     except (OSError, ValueError, KeyError, TypeError):
         ours = set()
     return [name for name in found if name not in ours or (out / name).is_dir()]
-
-
-def _swap(new: Path, out: Path) -> None:
-    if not out.exists():
-        new.rename(out)
-        return
-    old = Path(tempfile.mkdtemp(prefix=f".{out.name}-old-", dir=out.parent))
-    out.rename(old / "old")
-    try:
-        new.rename(out)
-    except OSError:
-        (old / "old").rename(out)
-        raise
-    finally:
-        shutil.rmtree(old, ignore_errors=True)
 
 
 def provenance(name: str, config: Options) -> dict[str, Any]:

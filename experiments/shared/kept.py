@@ -22,15 +22,14 @@ import numpy as np
 
 import babbling.files as files
 from babbling.kinds import KINDS
+from babbling.whole import MARK, sweep, whole
 from experiments.errors import ExperimentError
-from experiments.shared.experiment import LIBRARIES
+from experiments.shared.experiment import LIBRARIES, MAKES_NO_DIFFERENCE, try_place
 from experiments.shared.options import Options
 
 Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")
 LARGEST, LONGEST_PATH, SUFFIX = 1 << 30, 4096, ".part.npz"
-MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
-"""Options that results do not depend on."""
 _folders: list[Path] = []
 
 
@@ -46,8 +45,8 @@ def keeping(folder: Path, *, stays: bool = False) -> Iterator[None]:
                 part.unlink(missing_ok=True)
     finally:
         _folders.pop()
-        for part in folder.glob(f".*{SUFFIX}.*"):  # of processes that were killed
-            part.unlink(missing_ok=True)
+        for part in folder.glob(f".*{SUFFIX}{MARK}*"):  # of processes that were killed
+            sweep(folder / part.name[1:].rpartition(MARK)[0])
         with suppress(OSError):  # there are parts in it, or somebody else's files, or it never was there
             folder.rmdir()
 
@@ -89,25 +88,18 @@ def _kept(work: Callable[..., Found], folder: Path, program: str, *task: Any, **
             print(f"imitate: {path}: cannot be used ({str(error)[:80]}); it is done again", file=sys.stderr)
         else:
             return found
-    unfinished, arrays = path.with_name(f".{path.name}.{os.getpid()}"), list[Array]()
     with _writing(folder):  # tried now, not after the work
-        unfinished.touch()
-    try:
-        found = work(*task, **aside)
-        tree = np.frombuffer(json.dumps(_put(found, arrays, classes)).encode(), np.uint8)
-        with _writing(folder):  # which another process may have removed since
-            with unfinished.open("wb") as file:
-                np.savez(file, tree, *arrays)
-            unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+        try_place(path)
+    found, arrays = work(*task, **aside), list[Array]()
+    tree = np.frombuffer(json.dumps(_put(found, arrays, classes)).encode(), np.uint8)
+    with _writing(folder), whole(path) as beside, beside.open("wb") as file:
+        np.savez(file, tree, *arrays)
     return found
 
 
 @contextmanager
 def _writing(folder: Path) -> Iterator[None]:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         yield
     except OSError as error:
         why = error.strerror or error

@@ -1,14 +1,14 @@
 """Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
-from babbling.axes import IntArray
+from babbling.axes import FloatArray, IntArray
 from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.files import load, save
 from babbling.kinds import Numbers, kind
@@ -18,11 +18,14 @@ from babbling.pilot import Pilot, begin, pilot_minutes
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
-from imitation.acting.rehearsal import REHEARSERS, rehearse
+from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, rehearse
 from models.body import SimulatedBody
 from models.loading import load_body
 from models.units import SHOWN
 
+EVERY_S, SPARING = 13.0, 50.0
+"""Wall time after which what was learned so far is kept, as soon as a bout (1.5 s) ends, sooner where a rehearsal's
+round (6 s) does; but no sooner than so many times what keeping took last (0.2 s)."""
 COPIES, PILOT_SHARE = 8, 0.6
 """Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
@@ -60,6 +63,12 @@ class Interrupted:
     """Body time of the whole babble."""
     noise_deg: Annotated[float, Numbers(unit="degree", low=0, high=30)]
     bouts_done: Annotated[int, Numbers(low=0)]
+    points: Annotated[FloatArray, Numbers("point curve:3", low=0)]
+    """Of its learning curve; see `HeldOut`."""
+    rehearsed: Annotated[FloatArray, Numbers(f"temper eagerness:{len(EAGERNESS)} motor", low=0)]
+    """(R, E, F) what its rehearsal felt so far; see `rehearse`."""
+    wall_s: Annotated[FloatArray, Numbers("phase:2", "s", low=0)]
+    """Of its pilot, and of its babbling so far."""
 
 
 def people_say(body: SimulatedBody) -> Mapping[str, Sequence[str]]:
@@ -77,14 +86,14 @@ class HeldOut:
     """Babbling that is held out, and what it says while more and more is learned: points of a `LearningCurve`, degrees
     of posture, or millimetres of a body that only slides (root mean square over factors and transitions)."""
 
-    def __init__(self, options: BodyOptions, found: Pilot) -> None:
+    def __init__(self, options: BodyOptions, found: Pilot, points: Iterable[Iterable[float]] = ()) -> None:
         body = body_of(options, COPIES, stream=2)
         units = dict(zip(body.joints, body.shown_units, strict=True))
         moved = [units.get(body.sense_labels[line], "deg") for line in found.schema.posture]
         self.unit = "deg" if "deg" in moved else moved[0]  # slides are judged where there is nothing else
         self.counted, self.scale = np.array(moved) == self.unit, dict(SHOWN.values())[self.unit]
         self.columns, self.outcome = found.experienced(*experience(body, found, options.seed + 7919, 0, 500))
-        self.points: list[tuple[float, ...]] = []
+        self.points = [tuple(map(float, point)) for point in points]
 
     def note(self, minutes: float, model: Explanations) -> None:
         """Add a point for the forward model as it is now."""
@@ -109,41 +118,59 @@ def learn_mind(
         options: the body.
         minutes: body time in all, the pilot's counted.
         report: progress, 0 to 1.
-        checkpoint: where to keep what was learned so far after every bout; an interrupted babble goes on from there and
-            ends with the same mind.
+        checkpoint: where to keep what was learned so far, every `EVERY_S`; an interrupted babble goes on from there and
+            ends with the same mind and numbers, wall times apart.
     """
     copies = copies_for(minutes)
     body = body_of(options, copies)
-    left = minutes - pilot_minutes(copies)
-    plan = bouts(left, body) if left * 60 > body.tick_s * copies else ()
-    started = time.perf_counter()
-    found, model, first = _resume(checkpoint, body, options, minutes, plan)
-    if found is None:
+    more = minutes - pilot_minutes(copies)
+    plan = bouts(more, body) if more * 60 > body.tick_s * copies else ()
+    kept, cost_s = (clock := time.perf_counter()), 0.0
+    left = _left(checkpoint, body, options, minutes, plan)
+    if left is None:
         found, model = begin(body, options.seed)
-    piloted = time.perf_counter() - started
-    held_out = HeldOut(options, found)
-    spent = 1e-9
-    clock = time.perf_counter()
+        first, rehearsed, (piloted, spent) = 0, list[FloatArray](), (time.perf_counter() - clock, 1e-9)
+    else:
+        found, model, first = left.mind.pilot, left.mind.forward_model, left.bouts_done
+        rehearsed, (piloted, spent) = list(left.rehearsed), left.wall_s.tolist()
+    held_out = HeldOut(options, found, () if left is None else left.points)
+
+    def unrehearsed() -> Mind:
+        return Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
+
+    def keep(done: int, after_s: float) -> None:
+        nonlocal kept, cost_s
+        if checkpoint is not None and (begun := time.perf_counter()) - kept >= max(after_s, SPARING * cost_s):
+            felt = np.array(rehearsed).reshape(-1, len(EAGERNESS), len(model.factors))
+            points, wall_s = np.array(held_out.points).reshape(-1, 3), np.array([piloted, spent])
+            save(Interrupted(unrehearsed(), minutes, options.sensor_noise_deg, done, points, felt, wall_s), checkpoint)
+            kept = time.perf_counter()
+            cost_s = kept - begun
 
     def after_bout(done: int, model: Explanations) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
         held_out.note(sum(plan[:done]) * copies * body.tick_s / 60, model)
-        if checkpoint is not None and done < len(plan):
-            mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-            save(Interrupted(mind, minutes, options.sensor_noise_deg, done), checkpoint)
+        keep(done, EVERY_S if done < len(plan) else EVERY_S * 0.7)
         report(0.95 * done / len(plan))
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
 
+    def after_rehearsing(errors: FloatArray) -> None:
+        rehearsed.append(errors)
+        if not options.sensor_noise_deg:  # else the next would feel other noise in another process
+            keep(len(plan), EVERY_S * 0.7)
+
+    keep(first, EVERY_S)
     body.reseed(1 + first)
-    model = babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
-    if not plan:  # the pilot is all there is
+    clock = time.perf_counter()
+    babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    if not held_out.points:  # the pilot is all there is
         held_out.note(0.0, model)
-    mind = Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
-    mind = rehearse(body_of(options, REHEARSERS, stream=1), mind, options.seed)
+    rehearsers = body_of(options, REHEARSERS, stream=1)
+    mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing)
     report(1.0)
-    ticks, curve = sum(plan[first:]), held_out.curve()
+    ticks, curve = sum(plan), held_out.curve()
     metrics = {
         "babbling_transitions": model.transitions,
         "babbling_body_minutes": sum(plan) * copies * body.tick_s / 60,
@@ -209,16 +236,16 @@ def take_mind(path: Path, options: BodyOptions) -> Learned:
     )
 
 
-def _resume(
+def _left(
     checkpoint: Path | None, body: SimulatedBody, options: BodyOptions, minutes: float, plan: tuple[int, ...]
-) -> tuple[Pilot | None, Explanations | None, int]:
+) -> Interrupted | None:
     if checkpoint is None or not checkpoint.exists():
-        return None, None, 0
+        return None
     left = load(checkpoint, Interrupted)
     asked = body.fingerprint, options.seed, minutes, options.sensor_noise_deg
-    if asked != (left.mind.fingerprint, left.mind.seed, left.minutes, left.noise_deg) or left.bouts_done >= len(plan):
+    if asked != (left.mind.fingerprint, left.mind.seed, left.minutes, left.noise_deg) or left.bouts_done > len(plan):
         raise ExperimentError(
             f"{checkpoint}: an interrupted babble of another body, seed, noise or length is here; "
             "repeat that command to finish it, or delete the file"
         )
-    return left.mind.pilot, left.mind.forward_model, left.bouts_done
+    return left

@@ -2,10 +2,10 @@
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from contextlib import closing
 from typing import TypeVar
 
+from experiments.shared.fresh_process import elsewhere
 from experiments.shared.kept import keeper
 from experiments.shared.progress import progress
 
@@ -20,8 +20,8 @@ def in_parallel(work: Callable[[Task], Found], tasks: Sequence[Task], workers: i
     if workers <= 1:
         return _gathered(map(work, tasks), len(tasks), doing)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for them: threads of every worker would fight for the cores
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        return _gathered(pool.map(work, tasks), len(tasks), doing)
+    with closing(elsewhere(work, workers, tasks)) as found:
+        return _gathered(found, len(tasks), doing)
 
 
 def _gathered(found: Iterator[Found], count: int, doing: str) -> list[Found]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from babbling.axes import FloatArray
+from experiments.shared.experiment import RUN
 from experiments.shared.palette import DEMONSTRATED
 from models.shapes import Part, Shape
 
@@ -32,21 +33,34 @@ GHOSTLY = 90
 def recording(
     path: Path, application: str, name: str, layout: rrb.Container, summary: str, timeline: str = "sim_time"
 ) -> Iterator[rr.RecordingStream]:
-    """A recording stream into a file, layout and summary inside; complete when the block ends."""
+    """A recording stream into a file, layout and summary inside; complete when the block ends.
+
+    Raises:
+        OSError: it cannot be written: it is held in memory until then, for on a full disk Rerun's own writer waits for
+            ever, or leaves a piece without a word.
+    """
     rr.set_strict_mode(True)
-    stream = rr.RecordingStream(application, recording_id=name)
+    run = RUN.get()
+    stream = rr.RecordingStream(application, recording_id=run.identity if run else name)
     blueprint = rrb.Blueprint(
         layout,
         rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused", loop_mode="all", fps=STEPS_S),
         rrb.SelectionPanel(state="hidden"),
         rrb.BlueprintPanel(state="hidden"),
     )
-    stream.save(path, default_blueprint=blueprint)
+    held = stream.memory_recording()
+    stream.send_blueprint(blueprint)
     stream.send_recording_name(name)
+    for section, values in (run.properties if run else {}).items():
+        stream.send_property(section, rr.AnyValues(**{key: _plain(value) for key, value in values.items()}))
     stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     yield stream
-    stream.flush()
+    path.write_bytes(held.drain_as_bytes())
     stream.disconnect()
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, bool | int | float) else str(value)
 
 
 def ticks(count: int, tick_s: float) -> list[rr.TimeColumn]:

@@ -11,6 +11,7 @@ from dataclasses import fields
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from textwrap import fill
 from typing import Any, get_type_hints
 
 import tyro
@@ -21,8 +22,11 @@ from matplotlib.figure import Figure
 
 from experiments.registry import EXPERIMENTS
 from experiments.shared.options import Options
+from experiments.shared.palette import DARK
 
 FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
+LETTERS = 14.5
+"""Of a caption, to an inch."""
 FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
 
 
@@ -40,7 +44,7 @@ def page(
         name: of the experiment.
         config: its options.
         summary: Markdown.
-        figures: file stem -> figure; its caption is its label.
+        figures: file stem -> figure, as `draw` left it in the folder.
         folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
     """
@@ -65,6 +69,13 @@ def page(
         recording=(folder / "recording.rrd").exists(),
         metrics=(folder / "metrics.json").read_text(encoding="utf-8"),
     )
+
+
+def draw(figure: Figure, path: Path) -> None:
+    """Write a figure, its caption (its label) under it."""
+    lines = fill(figure.get_label() or "", round(LETTERS * figure.get_size_inches()[0]))
+    figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
+    figure.savefig(path, dpi=130, bbox_inches="tight")
 
 
 def command(name: str, config: Options) -> str:

@@ -8,7 +8,6 @@ from itertools import islice
 import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, fixed
-from babbling.balance import Balance, Stood, find_pressure, settled, wiggled
 from babbling.exploration import MotorRange, smooth
 from babbling.mind import Mind
 from experiments.shared.options import BodyOptions
@@ -19,28 +18,12 @@ from models.body import SimulatedBody
 from models.loading import load_standing
 from models.standing import Individuals, StandingBody
 
-ROCKING, ROCKING_S, ROCKING_N = 8, 8.0, 4.0
-"""Copies, seconds, and the strongest push of being rocked."""
-WIGGLING, WIGGLING_S = 32, 10.0
-STAGE, STAGE_S = 16, 8.0
-STAGES = (0.2, 0.4, 0.6, 0.8, 1.0)
-"""Shares of the joints' ranges that it moves over, one stage after the other."""
-WIGGLE, EXPLORE = np.deg2rad(2.5), np.deg2rad(2.0)
-"""How far every joint, then every offset, is moved at random, rad."""
 PACE = 1.0
 """Top speed of moving about, rad/s."""
-GENTLY = 0.2
-"""The same of wiggling."""
-QUIET = 0.3
-"""Share of the range for what does not carry, in a quarter of the copies: quiet arms show what legs do."""
-BEFORE_S = 0.3
-"""What comes so shortly before a fall is part of it."""
 FARTHEST = 16.0
 """Standard deviations of what babbling did beside its habit; 13 are the most that clips ask of a body on its stand."""
 LET_GO_S = 0.1
 """What touched comes free within that; until then it counts as touching."""
-LEARNERS = 100_000
-"""Individuals from here on learn balance; those judged are others."""
 
 
 def standing_of(
@@ -73,84 +56,6 @@ class Joints:
     def felt(self, senses: FloatArray) -> FloatArray:
         """(B, S) senses as on the stand."""
         return self.hung.senses.vector({name: self.body.senses.read(senses, name) for name in ("angle", "speed")})
-
-
-@dataclass
-class Learner:
-    """Someone who learns to stand: mind, bodies, and what happened so far."""
-
-    options: BodyOptions
-    mind: Mind
-    hung: SimulatedBody
-    report: Callable[[float], None]
-    minutes: list[float]
-    falls: list[float]
-
-    def bodies(self, copies: int) -> StandingBody:
-        """Others than any before."""
-        return standing_of(self.options, copies, LEARNERS + 1000 * self.options.seed + 100 * len(self.minutes))
-
-    def stand(self, body: StandingBody, plan: Plan) -> Stood:
-        """Do what was planned, eyes shut."""
-        schema, loads, turning, up = self.mind.pilot.schema, [], [], []
-        body.reset()
-        for command in plan.postures:
-            senses = body.act(schema.motors(np.clip(command, *self.mind.pilot.ends.T)))
-            loads.append(body.senses.read(senses, "touch"))
-            turning.append(body.senses.read(senses, "gyro")[:, 0])
-            up.append(~body.fallen)
-        self.note(body, len(loads), int(body.fallen.sum()))
-        upright = np.array(up)
-        for copy in np.flatnonzero(~upright[-1]):
-            upright[max(0, int(np.argmin(upright[:, copy])) - round(BEFORE_S / body.tick_s)) :, copy] = False
-        return Stood(plan.planned, plan.offset, plan.postures, np.array(loads), np.array(turning), upright)
-
-    def note(self, body: StandingBody, ticks: int, falls: int) -> None:
-        """Keep how long it took and how often it fell."""
-        self.minutes.append(ticks * body.copies * body.tick_s / 60)
-        self.falls.append(falls)
-        self.report(len(self.minutes) / (2 + len(STAGES)))
-
-
-def learn_balance(options: BodyOptions, mind: Mind, hung: SimulatedBody, report: Callable[[float], None]) -> Balance:
-    """Be rocked, wiggle, then move ever further about; see `babbling.balance`."""
-    learner = Learner(options, mind, hung, report, [], [])
-    body = learner.bodies(ROCKING)
-    tick, rng = body.tick_s, np.random.default_rng([options.seed, 30])
-    senses, home = rocked(learner, body, rng)
-    pressure, _ = find_pressure(body.senses.read(senses, "touch"), body.senses.read(senses, "accelerometer")[..., 0, :])
-    body = learner.bodies(WIGGLING)
-    beside = wander(np.full(len(home), WIGGLE), body, WIGGLING_S, rng, GENTLY)
-    still = Plan(home + beside, home + beside, *(np.zeros((*beside.shape[:2], 2)) for _ in range(4)))
-    run = learner.stand(body, still)
-    reach = np.stack([mind.pilot.low, mind.pilot.high])
-    found = wiggled(run, home, reach, pressure, body.senses.lines("touch").ravel(), tick, body.fingerprint)
-    runs: list[Stood] = []
-    low, high, carries = mind.pilot.low, mind.pilot.high, found.carries > 0
-    for share in STAGES:
-        body = learner.bodies(STAGE)
-        moves = wander(share * np.stack([low - home, high - home]), body, STAGE_S, rng)
-        moves[:, ::2, carries] = 0
-        moves[:, 1::4, ~carries] *= QUIET
-        explore = wander(np.full(2, EXPLORE), body, STAGE_S, rng)
-        runs.append(learner.stand(body, Balancer(found).plan(home + moves, explore)))
-        lean, table = settled(found, runs, tick)
-        found = replace(found, weights=lean, forward_model=table)
-    return replace(found, minutes=np.array(learner.minutes), falls=np.array(learner.falls))
-
-
-def rocked(learner: Learner, body: StandingBody, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-    """(T, B, S) senses while somebody rocks it, the first second left out; and the posture it holds."""
-    schema, joints = learner.mind.pilot.schema, Joints(learner.hung, body)
-    felt = body.reset()
-    home = joints.felt(felt)[:, schema.posture].mean(0)
-    still = np.tile(schema.motors(home), (body.copies, 1))
-    senses = []
-    for force in wander(np.full(2, ROCKING_N), body, ROCKING_S, rng, ROCKING_N * 3):
-        body.push(np.pad(force, ((0, 0), (0, 1))))
-        senses.append(body.act(still))
-    learner.note(body, len(senses), int(body.fallen.sum()))
-    return np.array(senses)[round(1 / body.tick_s) :], home
 
 
 def wander(

@@ -4,6 +4,7 @@ Dimensions are `time` (ticks of the movement), `joint`, `attempt` (1, 2, ...) an
 weighed). Joints are shown in the units of people, each joint's own in the coordinate `unit`.
 """
 
+import io
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
-from babbling.files import FORMAT, seal
+from babbling.files import FORMAT, sealed
 from models.body import SimulatedBody
 
 PEOPLES = {"rad": ("degree", 180 / np.pi), "m": ("mm", 1e3)}
@@ -122,8 +123,9 @@ def write(found: xr.Dataset, path: Path) -> None:
     """NetCDF-4, packed; text as letters, which every reader knows."""
     packed = {name: {"zlib": True, "complevel": 4, "shuffle": True} for name in found.data_vars}
     text: dict[Any, Any] = {name: {"dtype": "S1"} for name in ("joint", "unit")}
-    found.to_netcdf(path, engine="h5netcdf", encoding=packed | text)
-    seal(path)
+    content = io.BytesIO()  # HDF5 dies of a full disk
+    found.to_netcdf(content, engine="h5netcdf", encoding=packed | text)
+    path.write_bytes(sealed(content.getbuffer()))
 
 
 def tidy(found: xr.Dataset, path: Path) -> None:

@@ -5,6 +5,7 @@ hard starts to hunt, a fresh one that is held back lags. The mind performs made-
 keeps, joint by joint, what felt closest. It judges by its own senses alone.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -64,18 +65,31 @@ def calmest(errors: FloatArray) -> NDArray[np.intp]:
     return first
 
 
-def rehearse(body: Body, mind: Mind, seed: int) -> Mind:
+def rehearse(
+    body: Body,
+    mind: Mind,
+    seed: int,
+    known: Sequence[FloatArray] = (),
+    after: Callable[[FloatArray], object] = lambda errors: None,
+) -> Mind:
     """The same mind with a temper of its own.
 
     Args:
         body: the one that babbled, in `REHEARSERS` copies.
         mind: what babbling learned.
         seed: randomness of the made-up movement.
+        known: (E, F) `felt_errors` that are known from before, one for each temper that is tried.
+        after: is told each that is found anew.
     """
     temper, felt = mind.temper, np.full(len(mind.temper.trust), np.inf)
-    for trust, simple in ((temper.trust, temper.simple), *OTHERWISE):
+    tempers: list[tuple[FloatArray | float, FloatArray | float]] = [(temper.trust, temper.simple), *OTHERWISE]
+    for number, (trust, simple) in enumerate(tempers):
         other = Temper(temper.eagerness, *np.broadcast_arrays(trust, simple, felt)[:2])
-        errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other)), seed)
+        if number < len(known):
+            errors = known[number]
+        else:
+            errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other)), seed)
+            after(errors)
         chosen = calmest(errors)
         best = errors[chosen, np.arange(len(chosen))]
         better = best * CLOSER < felt

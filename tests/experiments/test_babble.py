@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +37,15 @@ def assert_same_file(one: Path, other: Path) -> None:
     assert one.read_bytes() == other.read_bytes()
 
 
+def assert_same_beside(one: Path, other: Path) -> None:
+    """Curve and numbers, wall times apart."""
+    assert_same_file(one.with_suffix(".png"), other.with_suffix(".png"))
+    numbers = [json.loads(out.with_suffix(".json").read_text()) for out in (one, other)]
+    for told in numbers:
+        assert sum(told.pop(name) > 0 for name in [name for name in told if name.endswith(("_s", "_factor"))]) == 4
+    assert numbers[0] == numbers[1]
+
+
 def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Press Ctrl-C when so many checkpoints have been written."""
     written = 0
@@ -52,7 +60,7 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minds, "save", save)
 
 
-@pytest.mark.parametrize("after", [1, 2])
+@pytest.mark.parametrize("after", [1, 2, 4])
 def test_interrupted_and_repeated_is_uninterrupted_to_the_last_bit(
     arm: Path,
     whole: Path,
@@ -77,38 +85,68 @@ def test_interrupted_and_repeated_is_uninterrupted_to_the_last_bit(
     babble = minds.babble
     monkeypatch.setattr(minds, "babble", counting)
     assert main(command(arm, out, "--sensor-noise-deg", "0.1")) == 0
-    assert ran == [after]  # it went on, it did not begin again
+    assert ran == [after - 1]  # after its pilot, after a bout, after all: it went on, it did not begin again
     assert_same_file(out, whole)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
+    assert_same_beside(out, whole)
 
 
 KILLED = """
-import sys
+import os, signal, sys
 from conftest import hurry
 hurry(setattr)
+when, real, count = sys.argv.pop(1), os.replace, 0
+def replace(one, other):
+    global count
+    count += 1
+    if f"before {count}" == when:
+        os.kill(os.getpid(), signal.SIGKILL)
+    real(one, other)
+    if f"after {count}" == when:
+        os.kill(os.getpid(), signal.SIGKILL)
+os.replace = replace
 from experiments.__main__ import main
-sys.exit(main(sys.argv[1:]))
+sys.exit(main())
 """
+"""Dies before, or after, something that it wrote appears for the n-th time."""
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_killed_without_warning_and_repeated(arm: Path, whole: Path, hasty: None, tmp_path: Path) -> None:
+def test_killed_without_warning_again_and_again_and_repeated(
+    arm: Path, whole: Path, hasty: None, tmp_path: Path
+) -> None:
+    """After its first bout, twice in a row, in rehearsal, and between FILE and what is beside it."""
     out = tmp_path / "arm.nc"
     words = command(arm, out, "--sensor-noise-deg", "0.1")
-    process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, *words],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"},
-        stdout=subprocess.DEVNULL,
-    )
-    limit = time.monotonic() + 60
-    while not (tmp_path / "arm.nc.partial").exists() and process.poll() is None and time.monotonic() < limit:
-        time.sleep(0.005)
-    os.kill(process.pid, signal.SIGKILL)
-    process.wait()
-    assert not out.exists() or process.returncode == 0
-    assert main(words) == 0
+    env = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    for when in ("after 2", "before 1", "after 3", "after 2", "never"):
+        killed = subprocess.run(
+            [sys.executable, "-c", KILLED, when, *words], cwd=ROOT, env=env, stdout=subprocess.DEVNULL, timeout=300
+        )
+        assert killed.returncode == (0 if when == "never" else -signal.SIGKILL)
     assert_same_file(out, whole)
+    assert_same_beside(out, whole)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
+
+
+def test_a_finished_babble_is_left_as_it_is_and_one_of_other_options_replaced(
+    arm: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "arm.nc"
+    assert main(command(arm, out)) == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    capsys.readouterr()
+    with monkeypatch.context() as patch:
+        patch.setattr(minds, "begin", None)
+        assert main(command(arm, out)) == 0
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.count("\n") == 1 and "this very babble is finished" in said.err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+    for other in (["--seed", "1"], ["--sensor-noise-deg", "0.2"]):
+        assert main(command(arm, out, *other)) == 0
+        assert out.read_bytes() != before["arm.nc"]
+    assert main(command(arm, out)) == 0
+    assert out.read_bytes() == before["arm.nc"]
 
 
 def test_the_file_works_where_it_was_made_for(whole: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path) -> None:

@@ -13,7 +13,8 @@ import pytest
 
 from babbling.files import VERSION, save
 from babbling.mind import Mind
-from experiments.__main__ import in_one_line, main
+from experiments.__main__ import main
+from experiments.command_line import in_one_line
 from experiments.shared import minds
 from experiments.shared.experiment import as_json
 

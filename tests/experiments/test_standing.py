@@ -7,20 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import experiments.shared.journal as journal
 import experiments.shared.one_leg as one_leg
 import experiments.shared.standing as standing
+from babbling.axes import FloatArray
 from babbling.balance import Balance
 from babbling.belief import USUAL, StateEstimate
-from babbling.files import load
+from babbling.files import load, save
 from babbling.kalman import Belief
 from babbling.mind import Mind, learn
 from experiments.__main__ import main
+from experiments.errors import ExperimentError
+from experiments.shared.journal import Journal
+from experiments.shared.one_leg import Learner, learn_balance
 from experiments.shared.options import BodyOptions
 from experiments.shared.standing import (
     Joints,
-    Learner,
     Performance,
-    learn_balance,
     perform,
     standing_of,
     wander,
@@ -41,8 +44,9 @@ def hurried(hasty: None) -> Iterator[list[float]]:
     """Fewer and shorter bouts on one's feet; and what was reported meanwhile."""
     short = {"ROCKING_S": 4.0, "WIGGLING": 12, "WIGGLING_S": 6.0, "STAGE": 4, "STAGE_S": 3.0, "STAGES": (0.2,)}
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in {**short, "REST_S": 0.2}.items():
-            patch.setattr(standing, name, value)
+        patch.setattr(standing, "REST_S", 0.2)
+        for name, value in short.items():
+            patch.setattr(one_leg, name, value)
         yield []
 
 
@@ -58,7 +62,7 @@ def mind(hasty: None) -> Mind:
 
 @pytest.fixture(scope="module")
 def balance(hurried: list[float], hung: SimulatedBody, mind: Mind) -> Balance:
-    return learn_balance(OPTIONS, mind, hung, hurried.append)
+    return learn_balance(Learner(OPTIONS, mind, hung, hurried.append, Journal()))
 
 
 def raise_arms(hung: SimulatedBody, seconds: float = 0.6) -> Movement:
@@ -105,6 +109,35 @@ def test_a_mind_feels_its_joints_on_the_floor_as_on_its_stand(scramble: int | No
     np.testing.assert_allclose(felt[seen], there[seen], atol=6e-5)  # encoders count
     speed = known.senses.vector({"speed": body.senses.read(senses, "speed")})
     np.testing.assert_array_equal(felt[~seen], speed[~seen])
+
+
+def test_interrupted_it_remembers_what_it_lived_through(
+    balance: Balance, hung: SimulatedBody, mind: Mind, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "EVERY_S", 0.0)
+    path, episodes = tmp_path / "arm.balance.nc.partial", [0, 0]
+
+    def interrupt(done: float) -> None:
+        episodes[0] += 1
+        if episodes[0] == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        learn_balance(Learner(OPTIONS, mind, hung, interrupt, Journal(path, {"seed": 1})))
+    with pytest.raises(ExperimentError, match="another interrupted learning to stand is here"):
+        Journal(path, {"seed": 2})
+    ticks, act = [0], StandingBody.act
+
+    def counting(body: StandingBody, motors: FloatArray) -> FloatArray:
+        ticks[0] += 1
+        return act(body, motors)
+
+    monkeypatch.setattr(StandingBody, "act", counting)
+    again = learn_balance(Learner(OPTIONS, mind, hung, lambda done: None, Journal(path, {"seed": 1})))
+    assert ticks[0] == round(one_leg.STAGE_S / 0.02)  # only the last of three
+    for number, found in enumerate((balance, again)):
+        save(found, tmp_path / f"{number}.nc")
+    assert (tmp_path / "0.nc").read_bytes() == (tmp_path / "1.nc").read_bytes()
 
 
 def test_wandering_stays_within_reach_and_begins_and_moves_about_zero() -> None:

@@ -1,0 +1,158 @@
+"""What the command line does: `imitate NAME [options]`, `list`, `--help`, `--version`, `--completion SHELL`."""
+
+import io
+import os
+import re
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from importlib.metadata import version
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from babbling.errors import BabblingError
+from experiments.errors import ExperimentError
+from experiments.registry import EXPERIMENTS, Entry, entry
+from experiments.stopping import say, work
+from models.errors import BodyError
+
+if TYPE_CHECKING:
+    from experiments.shared.options import Options
+
+USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | imitate --version
+       eval "$(imitate --completion bash)" completes names and options (zsh: the same)"""
+
+
+def obey(words: list[str]) -> int:
+    """Run one experiment; the exit status is 0, or 2 for what the user can mend."""
+    try:
+        if not words or words[0] in ("-h", "--help", "list"):
+            listing(full=not words or words[0] != "list")
+            return 0
+        if words[0] in ("--version", "--completion"):
+            print(about() if words[0] == "--version" else completion(words[1:]), end="")
+            return 0
+        return run(words[0], words[1:])
+    except (BabblingError, BodyError) as error:
+        say(" ".join(str(error).split()))
+        return 2
+
+
+def about() -> str:
+    """Version, and commit where there is one."""
+    from experiments.shared.experiment import commit
+
+    where = commit()
+    return f"imitate {version('imitation-laboratory')}{f' ({where})' if where else ''}\n"
+
+
+def completion(words: list[str]) -> str:
+    """The script that completes names and options in a shell."""
+    from experiments.completion import script
+
+    return script(" ".join(words) or "bash")
+
+
+def listing(*, full: bool) -> None:
+    """Every experiment with its line."""
+    if full:
+        print(USAGE + "\n")
+    width = max(map(len, EXPERIMENTS))
+    for name, one in EXPERIMENTS.items():
+        print(f"  {name:<{width}}  {one.line}")
+
+
+def run(name: str, words: list[str]) -> int:
+    """Parse options and do it, in silence where that is wanted; the exit status."""
+    one = entry(name)
+    config = parse(one.options(), name, words)
+    if config is None:
+        return 0
+    config.check()
+    with ExitStack() as silence:
+        if config.quiet:
+            nowhere = silence.enter_context(open(os.devnull, "w"))
+            silence.enter_context(redirect_stdout(nowhere))
+            silence.enter_context(redirect_stderr(nowhere))
+        out = do(one, name, config)
+    if config.quiet:
+        print(out)
+    return 0
+
+
+def do(one: Entry, name: str, config: "Options") -> Path:
+    """Run, publish, show; where the results are."""
+    module = load(one, config)
+    from experiments.shared.experiment import check_out, folder, publish
+    from experiments.shared.kept import studying
+    from experiments.shared.tables import show
+
+    work()
+    if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
+        left: Path = module.command(config)
+        return left
+    check_out(folder(name, config))
+    with studying(config, folder(name, config)):
+        result = module.run(config)
+        out = publish(name, config, result)
+    show(result.summary)
+    print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
+    return out
+
+
+def load(one: Entry, config: "Options") -> ModuleType:
+    """The module that runs it; a graphics library is only looked for where something is rendered.
+
+    Raises:
+        ExperimentError: it is not there.
+    """
+    renders = getattr(config, "renderer", "rays") == "mujoco"
+    if not renders:
+        os.environ["MUJOCO_GL"] = "disabled"
+    try:
+        return one.load()
+    except (AttributeError, ImportError, RuntimeError) as error:  # what MuJoCo's bindings make of it
+        if not renders:
+            raise
+        library = os.environ["MUJOCO_GL"]
+        raise ExperimentError(
+            f"--renderer mujoco: MUJOCO_GL={library} cannot be loaded ({str(error)[:100]}); install it, set MUJOCO_GL "
+            "to egl or osmesa, whichever is there, or take --renderer rays"
+        ) from error
+
+
+def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None":
+    """The options as an instance of `kind`; None when only help was wanted.
+
+    Raises:
+        ExperimentError: what tyro says in a box, in one line.
+    """
+    import tyro
+
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            return tyro.cli(kind, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
+    except SystemExit as stop:
+        if stop.code in (0, None):
+            return None
+        raise ExperimentError(in_one_line(said.getvalue(), name)) from None
+
+
+PLAIN = (
+    (r"Error parsing (--\S+): invalid literal for int\(\) with base 10: (.*)", r"\1 \2: this is not a whole number"),
+    (r"Error parsing (--\S+): could not convert string to float: (.*)", r"\1 \2: this is not a number"),
+    (r"Missing value for argument '(--\S+)'.*", r"\1: a value is missing"),
+    (r"Unrecognized options?: (.*)", r"unknown option \1"),
+)
+
+
+def in_one_line(box: str, name: str) -> str:
+    """The message and the suggestions out of tyro's boxes."""
+    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines() if line[:1] not in "╭╰"]
+    parts = [" ".join(part.split()) for part in re.split(r"\n─+\n", "\n".join(lines))]
+    message = parts[0] or "these options cannot be understood"
+    for pattern, plain in PLAIN:
+        message = re.sub(f"^{pattern}$", plain, message)
+    meant = re.findall(r"(?<!\S)--[a-z][a-z-]*", " ".join(p for p in parts[1:] if p.startswith("Perhaps you meant")))
+    hint = f"; did you mean {' or '.join(dict.fromkeys(meant))}?" if meant else ""
+    return f"{message}{hint}; `imitate {name} --help` lists what there is"
