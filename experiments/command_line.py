@@ -39,7 +39,7 @@ def obey(words: list[str]) -> int:
 
 def about() -> str:
     """Version, and commit where there is one."""
-    from experiments.shared.experiment import commit
+    from experiments.shared.provenance import commit
 
     where = commit()
     return f"imitate {version('imitation-laboratory')}{f' ({where})' if where else ''}\n"

@@ -7,12 +7,10 @@ An experiment is a folder of this package with `options.py` (a dataclass `Config
 import hashlib
 import json
 import os
-import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
-from dataclasses import asdict, dataclass, field
-from importlib.metadata import version
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,6 +19,8 @@ from babbling.files import is_kind
 from babbling.whole import folder_beside, sweep, whole
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
+from experiments.shared.provenance import MAKES_NO_DIFFERENCE, provenance
+from experiments.shared.report import draw, page
 from experiments.stopping import say
 
 if TYPE_CHECKING:
@@ -54,10 +54,7 @@ class Described(NamedTuple):
 
 RUN: ContextVar[Described | None] = ContextVar("RUN", default=None)
 """Whose recording is being written."""
-MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
-"""Options that results do not depend on."""
 LARGEST_NOTES = 1 << 20
-LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "h5netcdf", "rerun-sdk", "matplotlib")
 
 
 def publish(name: str, config: Options, result: Result) -> Path:
@@ -69,8 +66,6 @@ def publish(name: str, config: Options, result: Result) -> Path:
     Raises:
         ExperimentError: the folder cannot be written, or is not one of ours.
     """
-    from experiments.shared.report import draw, page  # they load Matplotlib and a template engine
-
     shown = folder(name, config)
     check_out(shown)
     with writing(shown), whole(shown.resolve()) as beside:
@@ -84,9 +79,8 @@ def publish(name: str, config: Options, result: Result) -> Path:
             told = provenance(name, config)
             if result.record is not None:
                 copy_context().run(_recorded, result.record, beside / "recording.rrd", told, result.metrics)
-            (beside / "report.html").write_text(
-                page(name, config, result.summary, result.figures, beside, told), encoding="utf-8"
-            )
+            report = page(name, config, result.summary, result.figures, beside, told)
+            (beside / "report.html").write_text(report, encoding="utf-8")
         except BabblingError as error:  # a writer's, of a place that nobody knows
             raise ExperimentError(str(error).replace(str(beside), str(shown))) from error
         files = sorted(["config.json", *(file.name for file in beside.iterdir())])
@@ -97,8 +91,11 @@ def publish(name: str, config: Options, result: Result) -> Path:
 def _recorded(record: Callable[[Path], None], path: Path, told: Mapping[str, Any], metrics: Mapping[str, Any]) -> None:
     options = {key: value for key, value in told["options"].items() if key not in MAKES_NO_DIFFERENCE}
     digest = hashlib.sha256(as_json([told["experiment"], options]).encode()).hexdigest()[:12]
-    numbers = {key: value for key, value in metrics.items() if isinstance(value, bool | int | float | str)}
-    RUN.set(Described(f"{told['experiment']}-{digest}", {"options": options, "metrics": numbers}))
+    asked = {key: str(value) for key, value in options.items()}  # Rerun wants one type of a name, whatever the section
+    numbers = {
+        key: float(value) for key, value in metrics.items() if isinstance(value, float | int) and key not in asked
+    }
+    RUN.set(Described(f"{told['experiment']}-{digest}", {"options": asked, "metrics": numbers}))
     record(path)
 
 
@@ -205,27 +202,6 @@ def _strangers(out: Path) -> list[str]:
     except (OSError, ValueError, KeyError, TypeError):
         ours = set()
     return [name for name in found if name not in ours or (out / name).is_dir()]
-
-
-def provenance(name: str, config: Options) -> dict[str, Any]:
-    """Resolved options, versions and commit: what is needed to run it again."""
-    return {
-        "experiment": name,
-        "options": {k: str(v) if isinstance(v, Path) else v for k, v in asdict(config).items()},
-        "versions": {library: version(library) for library in LIBRARIES},
-        "project": version("imitation-laboratory"),
-        "commit": commit(),
-    }
-
-
-def commit() -> str | None:
-    """Which commit of the project runs, and whether it was changed since; None outside a repository."""
-    asked = ["git", "-C", str(Path(__file__).resolve().parent), "describe", "--always", "--dirty"]
-    try:
-        done = subprocess.run(asked, capture_output=True, text=True, timeout=5, check=True)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip() or None
 
 
 def as_json(value: Any) -> str:

@@ -24,8 +24,9 @@ import babbling.files as files
 from babbling.kinds import KINDS
 from babbling.whole import MARK, sweep, whole
 from experiments.errors import ExperimentError
-from experiments.shared.experiment import LIBRARIES, MAKES_NO_DIFFERENCE, try_place
+from experiments.shared.experiment import try_place
 from experiments.shared.options import Options
+from experiments.shared.provenance import LIBRARIES, MAKES_NO_DIFFERENCE
 
 Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")

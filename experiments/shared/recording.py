@@ -52,15 +52,12 @@ def recording(
     stream.send_blueprint(blueprint)
     stream.send_recording_name(name)
     for section, values in (run.properties if run else {}).items():
-        stream.send_property(section, rr.AnyValues(**{key: _plain(value) for key, value in values.items()}))
+        if values:
+            stream.send_property(section, rr.AnyValues(**values))
     stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     yield stream
     path.write_bytes(held.drain_as_bytes())
     stream.disconnect()
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, bool | int | float) else str(value)
 
 
 def ticks(count: int, tick_s: float) -> list[rr.TimeColumn]:

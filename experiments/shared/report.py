@@ -73,7 +73,7 @@ def page(
 
 def draw(figure: Figure, path: Path) -> None:
     """Write a figure, its caption (its label) under it."""
-    lines = fill(figure.get_label() or "", round(LETTERS * figure.get_size_inches()[0]))
+    lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
     figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
     figure.savefig(path, dpi=130, bbox_inches="tight")
 

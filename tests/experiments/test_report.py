@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from experiments.__main__ import parse
+from experiments.command_line import parse
 from experiments.registry import EXPERIMENTS
 from experiments.shared.options import Options
 from experiments.shared.report import command, page
