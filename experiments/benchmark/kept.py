@@ -11,6 +11,7 @@ import numpy as np
 from experiments.benchmark.lives import Point, Task, live
 from experiments.errors import ExperimentError
 from experiments.shared.experiment import as_json, commit
+from models.files import text
 
 LARGEST = 1 << 24
 
@@ -39,12 +40,19 @@ def lived(task: Task, folder: Path | None = None) -> list[Point]:
 def _read(path: Path) -> list[Point]:
     names = {one.name for one in fields(Point)}
     try:
-        if path.stat().st_size > LARGEST:
-            raise ValueError("too large")
-        found = json.loads(path.read_text())
+        found = json.loads(text(path, LARGEST))
         if not found or any(set(point) != names for point in found):
             raise ValueError("other entries")
-        return [Point(**point | {"ringing": {k: np.array(v) for k, v in point["ringing"].items()}}) for point in found]
+        return [
+            Point(
+                float(point["minutes"]),
+                {name: [float(one) for one in values] for name, values in point["errors"].items()},
+                {name: np.array(values, float) for name, values in point["ringing"].items()},
+                [[float(one) for one in values] for values in point["last"]],
+                {name: float(one) for name, one in point["costs"].items()},
+            )
+            for point in found
+        ]
     except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
         raise ExperimentError(f"{path}: this is no life of a benchmark; remove it, it will be lived again") from error
 

@@ -1,0 +1,100 @@
+"""Strangers' bodies: read in silence after they were tried, and what a body must do in a trial."""
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from models.apart import tried
+from models.body import SimulatedBody
+from models.errors import BodyError
+from models.markup import look
+
+HOUSE = Path(__file__).resolve().parent
+TICKS, GENTLY = 10, 0.05
+"""Ticks of a trial's movement; share of its range that each motor is told to go."""
+SLOWEST, FURTHEST, MOST_MOTORS = 5.0, 1e5, 150
+"""s of computing for a second of a body; largest number that a sense may reach; motors that can be babbled with."""
+
+
+def strange(path: Path) -> bool:
+    """Whether a file is none of this program's own."""
+    return HOUSE not in Path(os.path.abspath(path)).parents
+
+
+def spec_of(path: Path, work: str) -> mujoco.MjSpec:
+    """An MJCF, parsed; a stranger's only after `look`, and after `work` ("module:function", of its path) was tried.
+
+    Raises:
+        BodyError: what either says, or MuJoCo cannot read it.
+    """
+    if strange(path):
+        tried(work, path, look(path).bytes)
+    with quiet(path):
+        return mujoco.MjSpec.from_file(str(path))
+
+
+def quiet(path: Path) -> AbstractContextManager[None]:
+    """A block in which nothing is heard of what native code says of a stranger's file, nor is a log of it left."""
+    return silence() if strange(path) else nullcontext()
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """A block in which native code says nothing."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    told, nowhere = mujoco.get_mju_user_warning(), os.open(os.devnull, os.O_WRONLY)
+    kept = {fd: os.dup(fd) for fd in (1, 2) if _is_open(fd)}
+    try:
+        mujoco.set_mju_user_warning(lambda _: None)  # MuJoCo's own leaves a file
+        for fd in kept:
+            os.dup2(nowhere, fd)
+        yield
+    finally:
+        mujoco.set_mju_user_warning(told)
+        for fd, was in kept.items():
+            os.dup2(was, fd)
+        for fd in (nowhere, *kept.values()):
+            os.close(fd)
+
+
+def moved(body: SimulatedBody) -> None:
+    """See that a stranger's body moves as numbers do, at a reasonable cost: from rest gently to either side.
+
+    Raises:
+        BodyError: it does not.
+    """
+    count = len(body.joints)
+    if count > MOST_MOTORS:
+        raise BodyError(f"{body.name}: it has {count} motors; bodies of up to {MOST_MOTORS} can babble")
+    furthest = np.abs([body.sense_low, body.sense_high]).max()
+    if not furthest <= FURTHEST:
+        raise BodyError(f"{body.name}: a sense of it may read {furthest:g}; mend its ranges, {FURTHEST:g} is possible")
+    with silence():
+        body.reset()
+        rest, started = body.command_angles(body.joint_angles), time.process_time()
+        for tick in range(TICKS):
+            try:
+                body.act(np.clip(rest + GENTLY * (1 - 2 * (tick % 2)), -1, 1))
+            except BodyError:  # is said where it moves, after a card
+                return
+            cost = (time.process_time() - started) / (tick + 1) / body.tick_s
+            if cost > SLOWEST and tick:
+                raise BodyError(
+                    f"{body.name}: a body-minute of it takes {cost:.0f} minutes of computing, {SLOWEST:g} are "
+                    "possible; give it a longer timestep or fewer parts"
+                )
+
+
+def _is_open(fd: int) -> bool:
+    try:
+        os.fstat(fd)
+    except OSError:
+        return False
+    return True
