@@ -123,10 +123,12 @@ def opened(path: Path) -> h5py.File:
     except BodyError as error:
         raise BabblingError(str(error).removeprefix(f"{path}: ")) from error
     left = max(content.seek(0, os.SEEK_END) - len(_seal(b"")), 0)
-    content.seek(left)
-    end, digest = content.read(len(_seal(b""))), hashlib.sha256()
+    content.seek(max(left - len(_seal(b"")), 0))
+    near = content.read()
+    end, digest = near[-len(_seal(b"")) :], hashlib.sha256()
     content.seek(0)
-    if sum(one == other for one, other in zip(end, SEAL, strict=False)) > len(SEAL) / 2:  # it may be damaged itself
+    alike = sum(one == other for one, other in zip(end, SEAL, strict=False))
+    if alike > len(SEAL) / 2 or SEAL in near:  # it may be damaged itself, or cut
         while part := content.read(min(left, LARGEST_PIECE)):
             digest.update(part)
             left -= len(part)

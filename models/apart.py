@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from functools import lru_cache
 from pathlib import Path
 from pkgutil import resolve_name
@@ -14,7 +15,9 @@ INSIDE = "IMITATION_TRIAL"
 """Stands in the environment of a trial, which tries nothing itself."""
 CPU_S, BYTES_PER_S, WALL_S = 3, 4 << 20, 30.0
 """s of computing that a trial may take, more by bytes of what belongs to it; s by the clock, for what only waits."""
-MEMORY = 1 << 30
+MEMORY, RESERVED = 768 << 20, 8 << 30
+"""Bytes that a trial may use; that it may ask for, which MuJoCo does generously."""
+PAGE = 4096
 REFUSED = 3
 
 
@@ -36,17 +39,26 @@ def apart(work: str, path: str, seconds: int, version: tuple[int, ...]) -> None:
     code = f"import sys; sys.path[:] = {sys.path!r}; from models.apart import _here; _here()"
     words = [sys.executable, "-P", "-c", code, work, path, str(seconds)]
     env = os.environ | {INSIDE: "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disabled"}
-    none, read = subprocess.DEVNULL, subprocess.PIPE
-    try:
-        done = subprocess.run(words, env=env, stdin=none, stdout=read, stderr=none, timeout=WALL_S + seconds)
-    except subprocess.TimeoutExpired:
-        raise BodyError(f"{path}: reading it does not end; mend what it names, or make it anew") from None
-    if done.returncode == REFUSED:
-        raise BodyError(done.stdout.decode(errors="replace"))
-    if done.returncode:
-        died = signal.Signals(-done.returncode).name if done.returncode < 0 else f"exit {done.returncode}"
+    none, read, end = subprocess.DEVNULL, subprocess.PIPE, time.monotonic() + WALL_S + seconds
+    with subprocess.Popen(words, env=env, stdin=none, stdout=read, stderr=none) as child:
+        why = ""
+        try:
+            while not why and child.poll() is None:
+                time.sleep(0.01)
+                if time.monotonic() > end:
+                    why = "it does not end; is what it names a file?"
+                elif _resident(child.pid) > MEMORY:
+                    why = f"it needs more than {MEMORY >> 20} MB"
+        finally:
+            child.kill()
+        said = child.communicate()[0].decode(errors="replace")
+    if not why and child.returncode == REFUSED:
+        raise BodyError(said)
+    if child.returncode and not why:
+        died = signal.Signals(-child.returncode).name if child.returncode < 0 else f"exit {child.returncode}"
         slow = died in ("SIGXCPU", "SIGKILL")
         why = f"it takes more than {seconds} s of computing" if slow else f"its reader dies of it, {died}"
+    if why:
         raise BodyError(f"{path}: cannot be loaded ({why}); make it simpler, or anew")
 
 
@@ -70,10 +82,18 @@ def _here() -> None:
     os._exit(REFUSED if said else 0)
 
 
+def _resident(process: int) -> int:
+    """Bytes of memory that it uses, where the system tells as Linux does."""
+    try:
+        return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * PAGE
+    except (OSError, IndexError):
+        return 0
+
+
 def _bound(seconds: int) -> None:
     try:
         import resource
     except ImportError:  # Windows has only the clock
         return
-    for kind, most in ((resource.RLIMIT_CPU, seconds), (resource.RLIMIT_DATA, MEMORY), (resource.RLIMIT_CORE, 0)):
+    for kind, most in ((resource.RLIMIT_CPU, seconds), (resource.RLIMIT_DATA, RESERVED), (resource.RLIMIT_CORE, 0)):
         resource.setrlimit(kind, (most, most))

@@ -49,18 +49,19 @@ def load_body(
     text = str(name_or_path)
     robot = find(text) or Robot(Path(text), text)
     model = compiled(robot)
-    given = servos(model, text, give=give_servos)
-    body = SimulatedBody(
-        model,
-        name=text,
-        copies=copies,
-        threads=threads,
-        noise=noise,
-        wear=robot.wear,
-        sensors=robot.sensors,
-        scramble=scramble,
-        seed=seed,
-    )
+    with quiet(robot.path):
+        given = servos(model, text, give=give_servos)
+        body = SimulatedBody(
+            model,
+            name=text,
+            copies=copies,
+            threads=threads,
+            noise=noise,
+            wear=robot.wear,
+            sensors=robot.sensors,
+            scramble=scramble,
+            seed=seed,
+        )
     body.given = given
     return body
 

@@ -12,16 +12,17 @@ from pathlib import Path
 from xml.parsers import expat
 
 from models.errors import BodyError
-from models.files import checked, raw
+from models.files import NUMBER, checked, raw
 
 LARGEST_FILE, LARGEST_FILES = 128 * 2**20, 512 * 2**20
 """Bytes of a mesh or texture, and of all that are named."""
 DEEPEST, MOST_ELEMENTS, MOST_NAMES, MOST_CELLS = 300, 20_000, 5000, 1 << 24
 """Elements within each other; elements, as often as they are repeated; files named; cells of a grid of numbers."""
-WORDS = {"name", "class", "childclass", "model", "prefix", "file", "filename", "key", "value"}
+WORDS = {"name", "class", "childclass", "model", "prefix", "file", "filename", "key"}
 """Attributes that may say anything; the numbers of others are finite."""
 NO_NUMBER = re.compile(r"(?:^|[\s,])([+-]?(?:nan|inf|infinity|[\d.]+e\+?0*[1-9]\d\d\d*|\d{100,}))(?=$|[\s,])", re.I)
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+RANGED = {"joint", "position", "motor", "velocity", "general", "tendon", "spatial", "fixed"}
 REPEATED = {("replicate", "count"), ("composite", "count"), ("flexcomp", "count")}
 FOLDERS = ("meshdir", "texturedir", "assetdir")
 GRIDS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
@@ -91,6 +92,10 @@ def _look(path: Path, content: bytes, seen: Look, above: int, times: float) -> N
         for name, value in told.items():
             if name not in WORDS and (wrong := NO_NUMBER.search(value)):
                 refuse(f"{name} of <{tag}> holds {wrong[1][:30]!r}; finite numbers below 1e100 are possible")
+            if name.endswith("range") and tag in RANGED:
+                ends = [float(word) for word in value.split() if NUMBER.fullmatch(word)]
+                if ends != sorted(ends):
+                    refuse(f"{name} of <{tag}> goes down from {ends[0]:g} to {ends[-1]:g}; put the lower end first")
         count = repeated[-1] * prod(n for key in told if (tag, key) in REPEATED for n in _counts(told[key]))
         seen.elements += max(count, repeated[-1])
         repeated.append(max(count, repeated[-1]))

@@ -14,12 +14,14 @@ from models.apart import tried
 from models.body import SimulatedBody
 from models.errors import BodyError
 from models.markup import look
+from models.servos import resting
 
 HOUSE = Path(__file__).resolve().parent
 TICKS, GENTLY = 10, 0.05
 """Ticks of a trial's movement; share of its range that each motor is told to go."""
-SLOWEST, FURTHEST, MOST_MOTORS = 5.0, 1e5, 150
-"""s of computing for a second of a body; largest number that a sense may reach; motors that can be babbled with."""
+SLOWEST, FURTHEST, MOST_MOTORS, MOST_FREE = 1.0, 1e5, 150, 600
+"""s of computing for a second of a body; largest number that a sense, or the posture at
+rest, may reach; motors that can be babbled with; degrees of freedom."""
 
 
 def strange(path: Path) -> bool:
@@ -40,13 +42,17 @@ def spec_of(path: Path, work: str) -> mujoco.MjSpec:
 
 
 def quiet(path: Path) -> AbstractContextManager[None]:
-    """A block in which nothing is heard of what native code says of a stranger's file, nor is a log of it left."""
-    return silence() if strange(path) else nullcontext()
+    """A block in which nothing is heard of what native code says of a stranger's file, nor is a log of it left.
+
+    Raises:
+        BodyError: there is no memory for it.
+    """
+    return silence(path) if strange(path) else nullcontext()
 
 
 @contextmanager
-def silence() -> Iterator[None]:
-    """A block in which native code says nothing."""
+def silence(path: Path) -> Iterator[None]:
+    """`quiet`, of any file."""
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     told, nowhere = mujoco.get_mju_user_warning(), os.open(os.devnull, os.O_WRONLY)
@@ -56,6 +62,8 @@ def silence() -> Iterator[None]:
         for fd in kept:
             os.dup2(nowhere, fd)
         yield
+    except (MemoryError, mujoco.FatalError) as error:
+        raise BodyError(f"{path}: MuJoCo cannot compile it ({' '.join(str(error).split())})") from error
     finally:
         mujoco.set_mju_user_warning(told)
         for fd, was in kept.items():
@@ -73,10 +81,13 @@ def moved(body: SimulatedBody) -> None:
     count = len(body.joints)
     if count > MOST_MOTORS:
         raise BodyError(f"{body.name}: it has {count} motors; bodies of up to {MOST_MOTORS} can babble")
-    furthest = np.abs([body.sense_low, body.sense_high]).max()
-    if not furthest <= FURTHEST:
-        raise BodyError(f"{body.name}: a sense of it may read {furthest:g}; mend its ranges, {FURTHEST:g} is possible")
-    with silence():
+    if body.model.nv > MOST_FREE:
+        raise BodyError(f"{body.name}: it has {body.model.nv} degrees of freedom; {MOST_FREE} are possible")
+    senses = np.abs([body.sense_low, body.sense_high]).max()
+    for what, furthest in (("a sense of it may read", senses), ("its rest is at", np.abs(resting(body.model)).max())):
+        if not furthest <= FURTHEST:
+            raise BodyError(f"{body.name}: {what} {furthest:g}; {FURTHEST:g} is possible, mend its ranges")
+    with silence(Path(body.name)):
         body.reset()
         rest, started = body.command_angles(body.joint_angles), time.process_time()
         for tick in range(TICKS):

@@ -62,8 +62,8 @@ def read_archive(
     named, said = np.atleast_1d(arrays["joints"]), arrays.get("unit", np.array("rad"))
     if named.size > MOST_COLUMNS or said.size != 1 or max(named.itemsize, said.itemsize) > 4 * LONGEST_NAME:
         raise BodyError(
-            f"{path}: {named.size} joints, {said.size} units; at most {MOST_COLUMNS} joints and one unit, all with names "
-            f"of at most {LONGEST_NAME} letters, are read"
+            f"{path}: {named.size} joints, {said.size} units; at most {MOST_COLUMNS} joints and one unit, with "
+            f"names of at most {LONGEST_NAME} letters, are read"
         )
     names, usual = [str(name) for name in named.flat], unit or str(said.flat[0])
     units = ["m" if name in slides else usual for name in names]

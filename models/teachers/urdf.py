@@ -17,7 +17,7 @@ from models.teachers.teacher import WORDS, Teacher
 from models.trial import silence
 
 LIMIT_BYTES = 8 * 2**20
-MOST_JOINTS = 200
+MOST_JOINTS, FURTHEST = 200, 100.0
 
 
 def read_urdf(path: str | os.PathLike[str]) -> Teacher:
@@ -36,10 +36,12 @@ def read_urdf(path: str | os.PathLike[str]) -> Teacher:
     except BodyError as error:
         raise TeacherError(str(error)) from None
     try:
-        with silence():  # urdfdom speaks for itself
+        with silence(path):  # urdfdom speaks for itself
             model = pin.buildModelFromXML(content)
     except (ValueError, RuntimeError) as error:
         raise TeacherError(f"{path}: is not a readable URDF ({' '.join(str(error).split())[:120]})") from None
+    if max(abs(place.translation).max() for place in model.jointPlacements) > FURTHEST:
+        raise TeacherError(f"{path}: a joint is more than {FURTHEST:g} m from the one before; mend its origin")
     if model.njoints - 1 > MOST_JOINTS:
         raise TeacherError(f"{path}: has {model.njoints - 1} joints where at most {MOST_JOINTS} are read")
     found = Teacher.found(path.stem, model)
