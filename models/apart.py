@@ -37,7 +37,7 @@ def tried(work: str, path: Path, size: int = 0) -> None:
 def apart(work: str, path: str, seconds: int, version: tuple[int, ...]) -> None:
     """`tried`, of a file of this version."""
     code = f"import sys; sys.path[:] = {sys.path!r}; from models.apart import _here; _here()"
-    words = [sys.executable, "-P", "-c", code, work, path, str(seconds)]
+    words = [sys.executable, "-c", code, work, path, str(seconds)]
     env = os.environ | {INSIDE: "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disabled"}
     none, read, end = subprocess.DEVNULL, subprocess.PIPE, time.monotonic() + WALL_S + seconds
     with subprocess.Popen(words, env=env, stdin=none, stdout=read, stderr=none) as child:

@@ -1,10 +1,8 @@
 """Strangers' bodies: read in silence after they were tried, and what a body must do in a trial."""
 
 import os
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import mujoco
@@ -13,6 +11,7 @@ import numpy as np
 from models.apart import tried
 from models.body import SimulatedBody
 from models.errors import BodyError
+from models.hush import silence
 from models.markup import look
 from models.servos import resting
 
@@ -20,8 +19,8 @@ HOUSE = Path(__file__).resolve().parent
 TICKS, GENTLY = 10, 0.05
 """Ticks of a trial's movement; share of its range that each motor is told to go."""
 SLOWEST, FURTHEST, MOST_MOTORS, MOST_FREE = 1.0, 1e5, 150, 600
-"""s of computing for a second of a body; largest number that a sense, or the posture at
-rest, may reach; motors that can be babbled with; degrees of freedom."""
+"""s of computing for a second of a body; the largest number that a sense, or the posture at rest, may reach; motors
+that can be babbled with; degrees of freedom."""
 
 
 def strange(path: Path) -> bool:
@@ -50,28 +49,6 @@ def quiet(path: Path) -> AbstractContextManager[None]:
     return silence(path) if strange(path) else nullcontext()
 
 
-@contextmanager
-def silence(path: Path) -> Iterator[None]:
-    """`quiet`, of any file."""
-    for stream in (sys.stdout, sys.stderr):
-        stream.flush()
-    told, nowhere = mujoco.get_mju_user_warning(), os.open(os.devnull, os.O_WRONLY)
-    kept = {fd: os.dup(fd) for fd in (1, 2) if _is_open(fd)}
-    try:
-        mujoco.set_mju_user_warning(lambda _: None)  # MuJoCo's own leaves a file
-        for fd in kept:
-            os.dup2(nowhere, fd)
-        yield
-    except (MemoryError, mujoco.FatalError) as error:
-        raise BodyError(f"{path}: MuJoCo cannot compile it ({' '.join(str(error).split())})") from error
-    finally:
-        mujoco.set_mju_user_warning(told)
-        for fd, was in kept.items():
-            os.dup2(was, fd)
-        for fd in (nowhere, *kept.values()):
-            os.close(fd)
-
-
 def moved(body: SimulatedBody) -> None:
     """See that a stranger's body moves as numbers do, at a reasonable cost: from rest gently to either side.
 
@@ -83,6 +60,8 @@ def moved(body: SimulatedBody) -> None:
         raise BodyError(f"{body.name}: it has {count} motors; bodies of up to {MOST_MOTORS} can babble")
     if body.model.nv > MOST_FREE:
         raise BodyError(f"{body.name}: it has {body.model.nv} degrees of freedom; {MOST_FREE} are possible")
+    if not (body.sense_low < body.sense_high).all():
+        raise BodyError(f"{body.name}: a sense of it has an empty range; mend the range of its joint, or speed_limit")
     senses = np.abs([body.sense_low, body.sense_high]).max()
     for what, furthest in (("a sense of it may read", senses), ("its rest is at", np.abs(resting(body.model)).max())):
         if not furthest <= FURTHEST:
@@ -101,11 +80,3 @@ def moved(body: SimulatedBody) -> None:
                     f"{body.name}: a body-minute of it takes {cost:.0f} minutes of computing, {SLOWEST:g} are "
                     "possible; give it a longer timestep or fewer parts"
                 )
-
-
-def _is_open(fd: int) -> bool:
-    try:
-        os.fstat(fd)
-    except OSError:
-        return False
-    return True

@@ -9,12 +9,12 @@ import pinocchio as pin
 from models.apart import tried
 from models.errors import BodyError
 from models.files import text
+from models.hush import silence
 from models.markup import Look, look
 from models.motion.trajectory import JointTrajectory
 from models.teachers.anatomy import perform
 from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
 from models.teachers.teacher import WORDS, Teacher
-from models.trial import silence
 
 LIMIT_BYTES = 8 * 2**20
 MOST_JOINTS, FURTHEST = 200, 100.0

@@ -147,7 +147,7 @@ OPENS = {"open", "fdopen", "FileIO", "read_bytes", "read_text", "ZipFile", "from
 """And h5py.File, np.load and Pinocchio's builders."""
 OURS = {
     "models/files.py: open", "models/files.py: FileIO",  # the door
-    "models/trial.py: from_file", "models/trial.py: open", "models/apart.py: open", "models/apart.py: read_text",
+    "models/trial.py: from_file", "models/hush.py: open", "models/apart.py: open", "models/apart.py: read_text",
     "models/teachers/urdf.py: buildModelFromXML", "models/motion/archives.py: ZipFile", "models/tables.py: read_csv",
     "babbling/files.py: File", "babbling/files.py: open",  # what came through the door; a file of one's own is sealed
     "models/objects/scene.py: from_file", "models/loading.py: from_file", "models/heads.py: from_file",  # registered
