@@ -12,7 +12,6 @@ import hashlib
 import io
 import os
 import re
-import stat
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -28,8 +27,11 @@ from babbling.errors import BabblingError
 from babbling.forward_model import ForwardModel
 from babbling.kinds import KINDS, Kind, Numbers
 from babbling.regression import SCALE
-from babbling.variables import Variables, letters
+from babbling.variables import LARGEST_PIECE, Variables, letters
 from babbling.whole import whole
+from models import files
+from models.apart import tried
+from models.errors import BodyError
 
 FORMAT, VERSION = "imitation-laboratory", 4
 LARGEST_BYTES, MOST_ENTRIES, MOST_AXES, MOST_COUNTS = 1 << 30, 1 << 16, 8, 2.0**62
@@ -116,24 +118,43 @@ def opened(path: Path) -> h5py.File:
         BabblingError: it is not, or no NetCDF-4.
     """
     try:
-        status = os.stat(path)
-    except (OSError, ValueError) as error:
-        missing = isinstance(error, FileNotFoundError)
-        raise BabblingError("there is no such file" if missing else f"cannot be read ({error})") from error
-    if not stat.S_ISREG(status.st_mode):
-        what = "a directory; name the file in it" if stat.S_ISDIR(status.st_mode) else "no regular file; name one"
-        raise BabblingError(f"this is {what}")
-    if status.st_size > LARGEST_BYTES:
-        raise BabblingError(f"{status.st_size} bytes; more than {LARGEST_BYTES} are not read")
-    content = memoryview(path.read_bytes())
-    end = max(len(content) - len(_seal(b"")), 0)
-    alike = sum(one == other for one, other in zip(content[end:], SEAL, strict=False))
-    if alike > len(SEAL) / 2 and content[end:] != _seal(content[:end]):  # the mark itself may be damaged
-        raise BabblingError("this NetCDF-4 file is damaged; make it anew")
+        content = files.opened(path, LARGEST_BYTES)
+    except BodyError as error:
+        raise BabblingError(str(error).removeprefix(f"{path}: ")) from error
+    left = max(content.seek(0, os.SEEK_END) - len(_seal(b"")), 0)
+    content.seek(max(left - len(_seal(b"")), 0))
+    near = content.read()
+    end, digest = near[-len(_seal(b"")) :], hashlib.sha256()
+    content.seek(0)
+    alike = sum(one == other for one, other in zip(end, SEAL, strict=False))
+    if alike > len(SEAL) / 2 or SEAL[: len(SEAL) // 2] in near:  # it may be damaged itself, or cut
+        while part := content.read(min(left, LARGEST_PIECE)):
+            digest.update(part)
+            left -= len(part)
+        if end != SEAL + digest.digest():
+            raise BabblingError("this NetCDF-4 file is damaged; make it anew")
+    else:
+        try:
+            tried("babbling.files:rehearse", path)
+        except BodyError as error:
+            raise BabblingError(str(error).removeprefix(f"{path}: ")) from error
     try:
-        return h5py.File(path, "r")
+        return h5py.File(content, "r")
     except Exception as error:
         raise BabblingError("not a readable NetCDF-4 file (truncated, or something else); make it anew") from error
+
+
+def rehearse(path: Path) -> None:
+    """Read all of a file that has no seal, as far as it is within bounds, to see whether HDF5 comes to an end."""
+    with opened(path) as file:
+        held = Variables(file)
+        for name in ("format", "version"):
+            _attribute(file, name)
+        for name in file:
+            data = file[name] if isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+            with suppress(BabblingError):
+                if isinstance(data, h5py.Dataset):
+                    held.found(name, data.dtype)[()]
 
 
 def sealed(content: bytes | memoryview) -> bytes:

@@ -28,7 +28,7 @@ class Variables:
         Raises:
             BabblingError: it is missing, has another type or shape, or holds what cannot be.
         """
-        data = self._found(name, np.dtype(dtype)) if value is None else np.asarray(value, dtype)
+        data = self.found(name, np.dtype(dtype)) if value is None else np.asarray(value, dtype)
         dims = [word.partition(":")[0] for word in numbers.dims.split()]
         for word, dim, size in zip(numbers.dims.split(), dims, data.shape, strict=False):
             self.sizes.setdefault(dim, int(word.partition(":")[2] or size))
@@ -45,7 +45,7 @@ class Variables:
             self.put(name, dims, values, **({"units": numbers.unit} if numbers.unit else {}), **told)
         return values
 
-    def _found(self, name: str, dtype: np.dtype[Any]) -> h5py.Dataset:
+    def found(self, name: str, dtype: np.dtype[Any]) -> h5py.Dataset:
         """A variable of bounded size that lies in this very file; not read yet."""
         data = self.file[name] if isinstance(self.file.get(name, getlink=True), h5py.HardLink) else None
         if not isinstance(data, h5py.Dataset) or data.external or data.is_virtual or data.dtype != dtype:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
 from models.fingerprints import fingerprint
+from models.hush import unheard
 from models.senses import Channel, Senses, sensor_channels
 from models.servos import PULLS, Gains, driven, posed, position, reach, resting
 from models.units import SHOWN
@@ -141,7 +142,8 @@ class SimulatedBody:
 
     def reset(self) -> FloatArray:
         """All copies to the rest posture, their servos holding it; returns (B, S) sensations."""
-        self.batch.reset(keyframe=self._key)
+        with unheard():
+            self.batch.reset(keyframe=self._key)
         if self._key < 0:
             self.batch.ctrl[:] = self._held
         if self._sensors:
@@ -161,12 +163,8 @@ class SimulatedBody:
         command = self.commands(np.take_along_axis(np.asarray(motors, float), self._plugs, 1))
         self.batch.ctrl[:, self.actuators] = self.wear.follow(self._played, command, self._low, self._high)
         warnings = self.batch.warning[..., 1].copy()
-        told = mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(_say_nothing)  # or MuJoCo prints, and leaves a log file; `_check` raises instead
-        try:
+        with unheard():  # `_check` raises instead
             self.batch.step(ids=self._awake(), nstep=self.substeps, stage=self._stage)
-        finally:
-            mujoco.set_mju_user_warning(told)
         self.time += self.tick_s
         self._check(self.batch.warning[..., 1] - warnings)
         return self._feel()
@@ -287,10 +285,6 @@ class SimulatedBody:
         else:
             joint = int(self.model.dof_jntid[min(place, self.model.nv - 1)])
         return self.model.joint(joint).name or f"joint {joint}"
-
-
-def _say_nothing(text: str) -> None:
-    pass
 
 
 def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:

@@ -12,6 +12,7 @@ from models.errors import BodyError
 from models.loading import TICK_S
 from models.robots import Robot
 from models.servos import driven, reach, servo
+from models.trial import quiet, spec_of
 from models.units import SHOWN
 
 FEW = 6
@@ -27,7 +28,8 @@ def closed(model: mujoco.MjModel) -> bool:
 
 def as_written(robot: Robot) -> mujoco.MjModel:
     """The model as it stands in its file, neither hung nor equipped."""
-    return mujoco.MjSpec.from_file(str(robot.path)).compile()
+    with quiet(robot.path):
+        return spec_of(robot.path, "models.loading:rehearse").compile()
 
 
 def motor_rows(model: mujoco.MjModel, name: str, *, give: bool = False) -> Iterator[tuple[object, ...]]:

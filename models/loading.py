@@ -12,10 +12,9 @@ from models.files import checked
 from models.robots import ROBOTS, Robot, find
 from models.servos import PULLS, driven, servos
 from models.standing import Individuals, StandingBody
+from models.trial import moved, quiet, spec_of
 from models.wear import ball_radius
 
-LARGEST_FILE, LARGEST_FILES = 128 * 2**20, 512 * 2**20
-"""Bytes of a mesh or texture, and of all that an MJCF names."""
 TICK_S, MOST_STEPS = 0.02, 1000
 """Seconds of a control tick, and how many physics steps it may take."""
 
@@ -50,20 +49,35 @@ def load_body(
     text = str(name_or_path)
     robot = find(text) or Robot(Path(text), text)
     model = compiled(robot)
-    given = servos(model, text, give=give_servos)
-    body = SimulatedBody(
-        model,
-        name=text,
-        copies=copies,
-        threads=threads,
-        noise=noise,
-        wear=robot.wear,
-        sensors=robot.sensors,
-        scramble=scramble,
-        seed=seed,
-    )
+    with quiet(robot.path):
+        given = servos(model, text, give=give_servos)
+        body = SimulatedBody(
+            model,
+            name=text,
+            copies=copies,
+            threads=threads,
+            noise=noise,
+            wear=robot.wear,
+            sensors=robot.sensors,
+            scramble=scramble,
+            seed=seed,
+        )
     body.given = given
     return body
+
+
+def rehearse(path: Path) -> None:
+    """Load and move a stranger's robot, as far as its motors are servos, or can be given some.
+
+    Raises:
+        BodyError: see `load_body` and `models.trial.moved`.
+    """
+    model = compiled(Robot(path, str(path)))
+    try:
+        servos(model, str(path), give=True)
+    except BodyError:  # is said in its place, after a card
+        return
+    moved(SimulatedBody(model, name=str(path), threads=1))
 
 
 def load_standing(
@@ -95,8 +109,7 @@ def load_standing(
 
 def hung(robot: Robot) -> mujoco.MjSpec:
     """A robot where it babbles: hung by its root (no free joint, nor its part of the keys), touching springs alone."""
-    spec = mujoco.MjSpec.from_file(str(robot.path))
-    _look_at_files(spec, robot.path)
+    spec = spec_of(robot.path, "models.loading:rehearse")
     model = spec.compile()
     roots = _roots(model, str(robot.path))
     free = [joint for joint in spec.joints if joint.id in roots]
@@ -124,23 +137,6 @@ def hung(robot: Robot) -> mujoco.MjSpec:
     if not any(key.name == "home" for key in spec.keys):
         _find_home(spec)
     return spec
-
-
-def _look_at_files(spec: mujoco.MjSpec, path: Path) -> None:
-    """Meshes, textures and height fields that an MJCF names, before they are read: regular files, none too large, nor
-    all of them together. Where they are is the file's affair; what is missing is said by MuJoCo.
-
-    Raises:
-        BodyError: see above.
-    """
-    named = ((spec.meshdir, spec.meshes), (spec.texturedir, spec.textures), (spec.meshdir, spec.hfields))
-    found = {path.parent / folder / thing.file for folder, things in named for thing in things if thing.file}
-    total = sum(checked(file, LARGEST_FILE).stat().st_size for file in found if file.exists())
-    if total > LARGEST_FILES:
-        raise BodyError(
-            f"{path}: names {total / 2**20:,.0f} MB of meshes and textures where at most "
-            f"{LARGEST_FILES / 2**20:,.0f} MB are read; thin them out"
-        )
 
 
 def _roots(model: mujoco.MjModel, name: str) -> set[int]:
@@ -206,7 +202,8 @@ def compiled(robot: Robot) -> mujoco.MjModel:
     """
     checked(robot.path)
     try:
-        model = hung(robot).compile()
+        with quiet(robot.path):
+            model = hung(robot).compile()
     except BodyError:
         raise
     except (ValueError, mujoco.FatalError) as error:

@@ -1,5 +1,6 @@
 """Robots one can ask for by name, and everything that an experiment may have to know of one beforehand."""
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -193,7 +194,7 @@ def find(name_or_path: str) -> Robot | None:
     """
     path = Path(name_or_path)
     known = name_or_path in ROBOTS
-    if not known and not (path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1 or path.exists()):
+    if not known and not (path.suffix.lower() in (".xml", ".mjcf") or len(path.parts) > 1 or os.path.exists(path)):
         raise BodyError(unknown("robot", name_or_path, ROBOTS) + ", or the path of an MJCF file")
     return ROBOTS.get(name_or_path)
 

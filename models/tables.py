@@ -4,15 +4,18 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import StringIO
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from models import files
 from models.arrays import FloatArray, IntArray
 from models.errors import BodyError
 
-MOST_COLUMNS = 2000
+MOST_COLUMNS, MOST_ROWS, MOST_CELLS = 2000, 1_000_000, 5_000_000
+"""An hour of 25 joints at 50 Hz has 4.7 million cells."""
 LONGEST_LINE = 1 << 16
 """Characters; 2000 columns of 32."""
 QUOTED = re.compile(r'"[^"]*"')
@@ -63,11 +66,10 @@ def table(content: str, path: Path) -> Table:
     """
     import pandas
 
-    kept = [
-        (number, line)
-        for number, line in enumerate(content.splitlines(), start=1)
-        if line.strip() and not line.lstrip(' \t"').startswith("#")
-    ]
+    rows = (one for one in files.lines(path, content) if not one[1].lstrip(' \t"').startswith("#"))
+    kept = list(islice(rows, MOST_ROWS + 1))
+    if len(kept) > MOST_ROWS:
+        raise BodyError(f"{path}: has more than {MOST_ROWS} rows; cut it shorter")
     for number, line in kept:
         if len(line) > LONGEST_LINE:
             raise BodyError(f"{path}: line {number} has {len(line)} characters where at most {LONGEST_LINE} are read")
@@ -83,6 +85,8 @@ def table(content: str, path: Path) -> Table:
         kept = [(number, "\t".join(re.findall(r'"[^"]*"|\S+', line))) for number, line in kept]
         sep = "\t"
     counts = np.array([(QUOTED.sub("q", line) if '"' in line else line).count(sep) + 1 for _, line in kept])
+    if counts.sum() > MOST_CELLS:
+        raise BodyError(f"{path}: has {counts.sum()} cells where at most {MOST_CELLS} are read; cut it shorter")
     if counts.max() > MOST_COLUMNS:
         raise BodyError(
             f"{path}: line {kept[counts.argmax()][0]} has {counts.max()} cells where at most {MOST_COLUMNS} are read"

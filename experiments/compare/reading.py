@@ -1,6 +1,7 @@
 """What a run left, read again. Others' files are data: bounded, checked, and refused in a line."""
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -18,7 +19,7 @@ from experiments.errors import ExperimentError
 from models.files import text
 
 LARGEST_JSON, LARGEST_ARRAYS, LONGEST_S = 1 << 24, 1 << 28, 1e6
-LONGEST_NAME, LONGEST_VALUE = 60, 40
+LONGEST_NAME, LONGEST_VALUE, MOST_NAMES = 60, 40, 10_000
 TIMINGS = ("_s", "_ms", "_factor", "_mb")
 """So end metrics that tell of the machine."""
 
@@ -77,7 +78,7 @@ def read_run(folder: Path, label: str) -> Run:
         ExperimentError: it is none, or what is in it cannot be used.
         BodyError: a file that cannot be read.
     """
-    if not (folder / "config.json").is_file() or not (folder / "metrics.json").is_file():
+    if not all(os.path.isfile(folder / name) for name in ("config.json", "metrics.json")):
         raise ExperimentError(
             f"{folder}: this is no folder that a run left (config.json and metrics.json in it); name one such as "
             "runs/gesture"
@@ -86,9 +87,13 @@ def read_run(folder: Path, label: str) -> Run:
     experiment, options = notes.get("experiment"), notes.get("options")
     if not isinstance(experiment, str) or not isinstance(options, dict):
         raise ExperimentError(f"{folder / 'config.json'}: it does not say which experiment with which options it was")
+    if len(options) > MOST_NAMES or len(metrics) > MOST_NAMES:
+        raise ExperimentError(f"{folder}: it tells of more than {MOST_NAMES} options or numbers; run it again")
     said = {plain(name, LONGEST_NAME): plain(json.dumps(value), LONGEST_VALUE) for name, value in options.items()}
     path = folder / "trajectories.nc"
-    return Run(label, plain(experiment), said, dict(_numbers(metrics)), _tracks(path) if path.exists() else None)
+    return Run(
+        label, plain(experiment), said, dict(_numbers(metrics)), _tracks(path) if os.path.lexists(path) else None
+    )
 
 
 def plain(words: str, longest: int = LONGEST_NAME) -> str:
@@ -103,6 +108,7 @@ def _json(path: Path) -> dict[str, Any]:
     content = text(path, LARGEST_JSON)
     try:
         found = json.loads(content)
+        json.dumps(found)  # as deep as can be read is deeper than can be written
     except (ValueError, RecursionError) as error:
         raise ExperimentError(f"{path}: this is no JSON ({plain(str(error))}); run the experiment again") from None
     if not isinstance(found, dict):

@@ -1,5 +1,6 @@
 """Runs side by side: what was asked otherwise, what came of it, and how far off they were through time."""
 
+import os
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -44,7 +45,7 @@ def labels(folders: Sequence[Path]) -> list[str]:
     Raises:
         ExperimentError: a folder that is named twice.
     """
-    whole = [folder.resolve() for folder in folders]
+    whole = [Path(os.path.realpath(folder)) for folder in folders]
     if len(set(whole)) < len(whole):
         twice = next(folder for n, folder in enumerate(folders) if whole[n] in whole[:n])
         raise ExperimentError(f"{twice}: named twice; a run is the same as itself")

@@ -22,6 +22,7 @@ from experiments.shared.options import Options
 from experiments.shared.provenance import MAKES_NO_DIFFERENCE, provenance
 from experiments.shared.report import draw, page
 from experiments.stopping import say
+from models.files import text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -197,9 +198,9 @@ def _strangers(out: Path) -> list[str]:
     found = sorted(entry.name for entry in out.iterdir())
     notes = out / "config.json"
     try:
-        listed = json.loads(notes.read_text())["files"] if notes.stat().st_size < LARGEST_NOTES else []
+        listed = json.loads(text(notes, LARGEST_NOTES))["files"]
         ours = set(listed) if all(isinstance(file, str) for file in listed) else set()
-    except (OSError, ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):  # BodyError among them
         ours = set()
     return [name for name in found if name not in ours or (out / name).is_dir()]
 

@@ -5,6 +5,7 @@ its annotation names come back, kinds of files (`babbling.kinds`) as such files.
 """
 
 import hashlib
+import io
 import json
 import os
 import sys
@@ -27,6 +28,7 @@ from experiments.errors import ExperimentError
 from experiments.shared.experiment import try_place
 from experiments.shared.options import Options
 from experiments.shared.provenance import LIBRARIES, MAKES_NO_DIFFERENCE
+from models.files import raw
 
 Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")
@@ -108,9 +110,7 @@ def _writing(folder: Path) -> Iterator[None]:
 
 
 def _read(path: Path, classes: Mapping[str, type]) -> Any:
-    if path.stat().st_size > LARGEST:
-        raise ValueError("too large")
-    with np.load(path, allow_pickle=False) as held:
+    with np.load(io.BytesIO(raw(path, LARGEST)), allow_pickle=False) as held:
         tree, *arrays = (held[f"arr_{n}"] for n in range(len(held.files)))
     return _take(json.loads(tree.tobytes()), arrays, classes)
 
@@ -143,7 +143,7 @@ def _tell(update: Callable[[bytes], None], thing: Any) -> None:
         there = isinstance(thing, str | Path) and len(str(thing)) < LONGEST_PATH and os.path.isfile(thing)
         update(repr(thing.name if there and isinstance(thing, Path) else thing).encode())
         if there:
-            update(hashlib.sha256(Path(str(thing)).read_bytes()).digest())
+            update(hashlib.sha256(raw(Path(str(thing)), LARGEST)).digest())
     else:
         for part in _parts(thing):
             _tell(update, part)

@@ -2,6 +2,7 @@
 
 from copy import deepcopy
 from functools import lru_cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -9,8 +10,9 @@ import numpy as np
 from models.arrays import FloatArray
 from models.body import SimulatedBody
 from models.errors import BodyError
-from models.face import ACT_S, JOINTS, SITES, SLIDES, TOUCH, Face, Proportions
+from models.face import ACT_S, JOINTS, SITES, SLIDES, TOUCH, Face, Proportions, face_of
 from models.files import checked
+from models.trial import moved, quiet, spec_of
 
 NOISE = np.array(
     [np.deg2rad(0.2), 1e-4, np.deg2rad(0.2), np.deg2rad(0.2), 1e-4, 1e-4, np.deg2rad(0.2), np.deg2rad(0.2)]
@@ -29,7 +31,9 @@ def face_spec(face: Face, *, pacifier: bool = False) -> mujoco.MjSpec:
     """
     checked(face.path)
     try:
-        spec = mujoco.MjSpec.from_file(str(face.path))
+        spec = spec_of(face.path, "models.face.body:rehearse")
+    except BodyError:
+        raise
     except (ValueError, mujoco.FatalError) as error:
         raise BodyError(f"{face.path}: MuJoCo cannot read it ({' '.join(str(error).split())})") from error
     for what, have, needed in (
@@ -51,7 +55,8 @@ def face_model(face: Face, *, pacifier: bool = False) -> mujoco.MjModel:
     """Compiled; see `face_spec`."""
     spec = face_spec(face, pacifier=pacifier)
     try:
-        return spec.compile()
+        with quiet(face.path):
+            return spec.compile()
     except ValueError as error:
         raise BodyError(f"{face.path}: MuJoCo cannot compile it ({' '.join(str(error).split())})") from error
 
@@ -92,6 +97,15 @@ def face_body(
     if pacifier:
         body.fingerprint = face_body(face, tick_s=tick_s, scramble=scramble).fingerprint
     return body
+
+
+def rehearse(path: Path) -> None:
+    """Load and move a stranger's face.
+
+    Raises:
+        BodyError: see `face_body` and `models.trial.moved`.
+    """
+    moved(face_body(face_of(str(path)), threads=1))
 
 
 def _stop(spec: mujoco.MjSpec) -> None:

@@ -56,10 +56,8 @@ def parse_maze(drawing: str, name: str = "maze") -> Maze:
         BodyError: see `read_maze`.
     """
     lines = [(i, line.rstrip("\r")) for i, line in enumerate(drawing.split("\n"), 1) if not line.startswith("#")]
-    while lines and not lines[-1][1].strip():
-        lines.pop()
-    while lines and not lines[0][1].strip():
-        lines.pop(0)
+    drawn = [place for place, (_, line) in enumerate(lines) if line.strip()]
+    lines = lines[drawn[0] : drawn[-1] + 1] if drawn else []
     _check_shape(lines, name)
     signs = np.array([list(line) for _, line in lines])
     _check_signs(signs, [f"{name}, line {number}" for number, _ in lines])

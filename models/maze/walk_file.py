@@ -19,7 +19,7 @@ from models.maze.teacher import Walk, check_walk
 from models.tables import table
 
 HEADER = ("walk", "goal", "step", "x", "y", "action")
-LONGEST_FILE = 1 << 24
+LONGEST_FILE = 1 << 22
 """Bytes; hundreds of thousands of steps."""
 
 
@@ -57,7 +57,7 @@ def read_walks(path: Path, maze: Maze) -> list[Walk]:
 def _walk(steps: list[tuple[str, list[str]]]) -> Walk:
     numbers, actions = [], []
     for i, (where, (*whole, action)) in enumerate(steps):
-        if not all(cell.isdecimal() and len(cell) < 8 for cell in whole):
+        if not all(cell.isascii() and cell.isdecimal() and len(cell) < 8 for cell in whole):
             raise BodyError(f"{where}: goal, step, x and y must be whole numbers, 0 to 9999999")
         numbers.append([int(cell) for cell in whole])
         if numbers[i][1] != i:

@@ -27,7 +27,7 @@ def check_clock(name: str, time: FloatArray, *, declared: bool) -> None:
     Raises:
         BodyError: how far frames are apart, and how milliseconds are declared.
     """
-    if declared or len(time) < 3 or not np.isfinite(time).all():
+    if declared or time.ndim != 1 or len(time) < 3 or not np.isfinite(time).all():
         return
     step = float(np.median(np.diff(time)))
     if step > NEVER_S or (step >= SLOW_S and len(time) >= MANY):

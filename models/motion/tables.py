@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.errors import BodyError
+from models.files import LARGEST
 from models.motion.checks import check_clock
 from models.motion.trajectory import MIN_FRAMES, JointTrajectory
 from models.tables import Table
@@ -49,9 +50,12 @@ def in_unit(
             raise BodyError(
                 f"{path}: joint {joint!r} in unit {unit!r}; angles are in 'rad' or 'deg', what slides in 'm' or 'mm'"
             )
-    check_clock(str(path), seconds := np.asarray(time, float) * CLOCKS[clock or "s"], declared=bool(clock))
+    seconds, values = np.asarray(time, float), np.asarray(angles, float)
+    for what, told in (("time", seconds), ("a joint", values)):
+        if np.abs(told).max(initial=0) > LARGEST:
+            raise BodyError(f"{path}: {what} is at {np.abs(told).max():g}; numbers of at most {LARGEST:g} are read")
+    check_clock(str(path), seconds := seconds * CLOCKS[clock or "s"], declared=bool(clock))
     factors = [scale[unit] for unit in units]
-    values = np.asarray(angles, float)
     return JointTrajectory(
         str(path), seconds, tuple(joints), values * factors if values.shape[-1:] == (len(factors),) else values
     )

@@ -6,13 +6,15 @@ by one from any number. Blank lines and Windows line ends do no harm.
 """
 
 import os
+import re
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
 
 from models.arrays import FloatArray
-from models.files import checked, text
+from models.errors import BodyError
+from models.files import checked, finite, lines, text
 from models.teachers.performance import TeacherError
 
 _ARM = {"clavicle": 2, "humerus": 3, "radius": 1, "wrist": 1, "hand": 2, "fingers": 1, "thumb": 2}
@@ -31,20 +33,20 @@ MAX_FRAMES = 100_000
 def read_amc(path: str | os.PathLike[str]) -> FloatArray:
     """Numbers of a checked file, (frames, 62), bones in the order of BONES; TeacherError says what is wrong where."""
     path = checked(path)
-    frames: list[dict[str, list[float]]] = []
+    frames, whole = list[dict[str, list[float]]](), list[FloatArray]()
     number: int | None = None
-    for place, raw in enumerate(text(path).splitlines(), start=1):
+    for place, raw in lines(path, text(path)):
         words = raw.split()
-        if not words or words[0].startswith("#"):
+        if words[0].startswith("#"):
             continue
         if words[0].startswith(":"):
             if words[0].upper() == ":RADIANS":
                 raise TeacherError(f"{path}: line {place}: angles in radians are not read; convert them to :DEGREES")
             continue
-        if len(words) == 1 and words[0].isdecimal():
+        if len(words) == 1 and re.fullmatch(r"\d{1,9}", words[0], re.ASCII):
             if frames:
-                _whole(frames[-1], number, path, place)
-            if len(frames) == MAX_FRAMES:
+                whole.append(_whole(frames.pop(), number, path, place))
+            if len(whole) == MAX_FRAMES:
                 raise TeacherError(f"{path}: line {place}: more than {MAX_FRAMES} frames; cut the file into clips")
             if number is not None and int(words[0]) != number + 1:
                 raise TeacherError(
@@ -60,10 +62,10 @@ def read_amc(path: str | os.PathLike[str]) -> FloatArray:
         _bone(words, frames[-1], number, path, place)
     if not frames:
         raise TeacherError(f"{path}: holds no frame; give an .amc file of the CMU database")
-    _whole(frames[-1], number, path, None)
-    if len(frames) < MIN_FRAMES:
-        raise TeacherError(f"{path}: has {len(frames)} frames; a movement needs at least {MIN_FRAMES}")
-    return np.array([[value for bone in BONES for value in frame[bone]] for frame in frames])
+    whole.append(_whole(frames.pop(), number, path, None))
+    if len(whole) < MIN_FRAMES:
+        raise TeacherError(f"{path}: has {len(whole)} frames; a movement needs at least {MIN_FRAMES}")
+    return np.array(whole)
 
 
 def write_amc(frames: FloatArray, path: str | os.PathLike[str]) -> None:
@@ -82,27 +84,21 @@ def _bone(words: list[str], frame: dict[str, list[float]], number: int | None, p
     bone, *cells = words
     here = f"{path}: line {place} (frame {number})"
     if bone not in BONES:
-        close = get_close_matches(bone, BONES, n=1, cutoff=0.5)
+        close = get_close_matches(bone[:40], BONES, n=1, cutoff=0.5)
         hint = f"; did you mean {close[0]!r}?" if close else "; only the skeleton of the CMU database is known"
         raise TeacherError(f"{here}: bone {_short(bone)!r} does not exist{hint}")
     if bone in frame:
         raise TeacherError(f"{here}: bone {bone!r} comes twice; give each bone once per frame")
     if len(cells) != BONES[bone]:
         raise TeacherError(f"{here}: bone {bone!r} has {len(cells)} numbers where {BONES[bone]} are needed")
-    values = []
-    for cell in cells:
-        try:
-            value = float(cell)
-        except ValueError:
-            raise TeacherError(f"{here}: bone {bone!r}: {_short(cell)!r} is not a number") from None
-        if not np.isfinite(value):
-            raise TeacherError(f"{here}: bone {bone!r}: {cell!r} is not a finite number; record or mend this frame")
-        values.append(value)
-    frame[bone] = values
+    try:
+        frame[bone] = [finite(cell, f"{here}: bone {bone!r}") for cell in cells]
+    except BodyError as error:
+        raise TeacherError(f"{error}; record or mend this frame") from None
 
 
-def _whole(frame: dict[str, list[float]], number: int | None, path: Path, place: int | None) -> None:
-    """Check that a frame that is over has every bone."""
+def _whole(frame: dict[str, list[float]], number: int | None, path: Path, place: int | None) -> FloatArray:
+    """Numbers of a frame that is over, (62,), once it is sure that it has every bone."""
     missing = [bone for bone in BONES if bone not in frame]
     if missing:
         where = "the file ends" if place is None else f"line {place}: the next frame begins"
@@ -110,6 +106,7 @@ def _whole(frame: dict[str, list[float]], number: int | None, path: Path, place:
             f"{path}: {where} in the middle of frame {number}: {len(missing)} of {len(BONES)} bones are missing, "
             f"first {missing[0]!r}; download the file again or cut the frame off"
         )
+    return np.array([value for bone in BONES for value in frame[bone]])
 
 
 def _short(word: str) -> str:

@@ -7,8 +7,9 @@ its place. Units and which axis is up do not matter: it is drawn upright, its hi
 
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import islice, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from models.arrays import FloatArray
-from models.files import checked, finite, text
+from models.files import checked, finite, lines, text
 from models.teachers.amc import MAX_FRAMES, MIN_FRAMES
 from models.teachers.anatomy import BodyPoses, perform, upright
 from models.teachers.performance import SIDES, Performance, TeacherError, upright_frame
@@ -48,14 +49,19 @@ def perform_bvh(path: str | os.PathLike[str]) -> Performance:
         TeacherError: a broken file (which line), or a skeleton that neither names nor build tell (what lacks).
     """
     path = checked(path)
-    lines = [(f"{path}: line {i}", line.split()) for i, line in enumerate(text(path).splitlines(), 1) if line.strip()]
-    start = next((i for i, (_, words) in enumerate(lines) if words[0].upper() == "MOTION"), len(lines))
-    if not lines or lines[0][1][0].upper() != "HIERARCHY" or start == len(lines):
+    told = ((f"{path}: line {number}", line.split()) for number, line in lines(path, text(path)))
+    start = next(told, ("", [""]))[1][0]
+    above = list(takewhile(lambda line: line[1][0].upper() != "MOTION", told)) if start.upper() == "HIERARCHY" else []
+    motion = list(islice(told, 2))
+    if not above or not motion:
         raise TeacherError(f"{path}: no HIERARCHY and MOTION; is this a .bvh file?")
-    skeleton = _hierarchy(lines[1:start], path)
-    tick_s, numbers = _motion(lines[start + 1 :], sum(map(len, skeleton.channels)), path)
+    skeleton = _hierarchy(above, path)
+    tick_s, numbers = _motion(motion, told, sum(map(len, skeleton.channels)), path)
     try:
-        seen, remarks = _seen(path.stem, skeleton, np.arange(float(len(numbers))) * tick_s, numbers)
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            seen, remarks = _seen(path.stem, skeleton, np.arange(float(len(numbers))) * tick_s, numbers)
+    except FloatingPointError:
+        raise TeacherError(f"{path}: a bone that is needed has no length; export it again") from None
     except TeacherError as error:
         raise TeacherError(f"{path}: {error}") from None
     return replace(seen, remarks=tuple(f"{path}: {remark}" for remark in remarks))
@@ -139,9 +145,9 @@ def _standing(poses: BodyPoses, frames: NDArray[np.intp], tips: Mapping[str, Flo
     )
 
 
-def _hierarchy(lines: list[tuple[str, list[str]]], path: Path) -> _Tree:
+def _hierarchy(told: Iterable[tuple[str, list[str]]], path: Path) -> _Tree:
     found, open_, at = _Tree(), [-1], -1
-    for where, words in lines:
+    for where, words in told:
         kind = words[0].upper()
         if kind in ("ROOT", "JOINT", "END"):
             ends = kind == "END"
@@ -160,7 +166,7 @@ def _hierarchy(lines: list[tuple[str, list[str]]], path: Path) -> _Tree:
             at = open_[-1]
         elif kind == "OFFSET" and len(words) == 4 and at >= 0:
             found.offsets[at] = [finite(word, where) for word in words[1:]]
-        elif kind == "CHANNELS" and len(words) > 1 and at >= 0 and words[1] == str(len(words) - 2):
+        elif kind == "CHANNELS" and len(words) > 1 and at >= 0 and words[1] == str(len(words) - 2) and len(words) <= 8:
             found.channels[at] = [word.lower() for word in words[2:]]
             if not all(re.fullmatch("[xyz](position|rotation)", channel) for channel in found.channels[at]):
                 raise TeacherError(f"{where}: channels are Xposition .. Zposition and Xrotation .. Zrotation")
@@ -173,18 +179,21 @@ def _hierarchy(lines: list[tuple[str, list[str]]], path: Path) -> _Tree:
     return found
 
 
-def _motion(lines: list[tuple[str, list[str]]], channels: int, path: Path) -> tuple[float, FloatArray]:
-    head = {" ".join(words).partition(":")[0].lower(): (where, words) for where, words in lines[:2]}
+def _motion(
+    begins: list[tuple[str, list[str]]], told: Iterator[tuple[str, list[str]]], channels: int, path: Path
+) -> tuple[float, FloatArray]:
+    head = {" ".join(words).partition(":")[0].lower(): (where, words) for where, words in begins}
     if set(head) != {"frames", "frame time"}:
         raise TeacherError(f"{path}: MOTION begins with 'Frames:' and 'Frame Time:'; export it again")
     tick_s = finite(head["frame time"][1][-1], head["frame time"][0])
-    count, rows = finite(head["frames"][1][-1], head["frames"][0]), lines[2:]
+    count, rows = finite(head["frames"][1][-1], head["frames"][0]), list[FloatArray]()
+    for where, words in islice(told, MAX_FRAMES + 1):
+        if len(words) != channels:
+            raise TeacherError(f"{where}: {len(words)} numbers where the HIERARCHY has {channels} channels")
+        rows.append(np.array([finite(word, where) for word in words]))
     if not 1e-4 <= tick_s <= 1 or count != len(rows) or not MIN_FRAMES <= count <= MAX_FRAMES:
         raise TeacherError(
             f"{path}: {len(rows)} frames of {tick_s:g} s where {count:g} are told; {MIN_FRAMES} to {MAX_FRAMES} frames "
             "of 0.0001 to 1 s are read"
         )
-    for where, words in rows:
-        if len(words) != channels:
-            raise TeacherError(f"{where}: {len(words)} numbers where the HIERARCHY has {channels} channels")
-    return tick_s, np.array([[finite(word, where) for word in words] for where, words in rows])
+    return tick_s, np.array(rows)

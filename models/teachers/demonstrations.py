@@ -173,6 +173,6 @@ def find(name_or_path: str | os.PathLike[str]) -> Demonstration | None:
         TeacherError: neither.
     """
     name, path = str(name_or_path), Path(name_or_path)
-    if name not in DEMONSTRATIONS and not (path.suffix or len(path.parts) > 1 or path.exists()):
+    if name not in DEMONSTRATIONS and not (path.suffix or len(path.parts) > 1 or os.path.exists(path)):
         raise TeacherError(unknown("demonstration", name, DEMONSTRATIONS) + ", or the path of an .amc or .bvh file")
     return DEMONSTRATIONS.get(name)

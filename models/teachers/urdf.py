@@ -6,14 +6,18 @@ from pathlib import Path
 
 import pinocchio as pin
 
-from models.files import checked, text
+from models.apart import tried
+from models.errors import BodyError
+from models.files import text
+from models.hush import silence
+from models.markup import Look, look
 from models.motion.trajectory import JointTrajectory
 from models.teachers.anatomy import perform
 from models.teachers.performance import PARTS, SIDES, Performance, TeacherError
 from models.teachers.teacher import WORDS, Teacher
 
 LIMIT_BYTES = 8 * 2**20
-MOST_JOINTS = 200
+MOST_JOINTS, FURTHEST = 200, 100.0
 
 
 def read_urdf(path: str | os.PathLike[str]) -> Teacher:
@@ -22,15 +26,22 @@ def read_urdf(path: str | os.PathLike[str]) -> Teacher:
     Raises:
         TeacherError: a file that is missing, too large, no URDF; or not one limb in it (what was looked for is said).
     """
-    path, content = _content(path)
-    if "<!DOCTYPE" in content or "<!ENTITY" in content:
-        raise TeacherError(f"{path}: declares entities, which no robot needs; remove the DOCTYPE")
+    path = Path(path)
+    content = text(path, LIMIT_BYTES)
+    _look(path, content)
     if "<robot" not in content:
         raise TeacherError(f"{path}: holds no <robot>; give a URDF file")
     try:
-        model = pin.buildModelFromXML(content)
+        tried("models.teachers.urdf:read_urdf", path)
+    except BodyError as error:
+        raise TeacherError(str(error)) from None
+    try:
+        with silence(path):  # urdfdom speaks for itself
+            model = pin.buildModelFromXML(content)
     except (ValueError, RuntimeError) as error:
         raise TeacherError(f"{path}: is not a readable URDF ({' '.join(str(error).split())[:120]})") from None
+    if max(abs(place.translation).max() for place in model.jointPlacements) > FURTHEST:
+        raise TeacherError(f"{path}: a joint is more than {FURTHEST:g} m from the one before; mend its origin")
     if model.njoints - 1 > MOST_JOINTS:
         raise TeacherError(f"{path}: has {model.njoints - 1} joints where at most {MOST_JOINTS} are read")
     found = Teacher.found(path.stem, model)
@@ -66,15 +77,17 @@ def remarks(found: Teacher, path: str | os.PathLike[str]) -> tuple[str, ...]:
 
 def _absent_meshes(path: str | os.PathLike[str]) -> tuple[str, ...]:
     """Mesh files that the URDF names and that are not beside it."""
-    path, content = _content(path)
+    path = Path(path)
     absent = []
-    for name in re.findall(r"<mesh[^>]*filename\s*=\s*[\"']([^\"']+)[\"']", content):
+    for name in dict.fromkeys(name for tag, name in _look(path, text(path, LIMIT_BYTES)).files if tag == "mesh"):
         local = re.sub(r"^(package|file)://", "", name)
-        if not any((folder / local).exists() for folder in (path.parent, *path.parent.parents[:4])):
+        if not any(os.path.exists(folder / local) for folder in (path.parent, *path.parent.parents[:4])):
             absent.append(name)
-    return tuple(dict.fromkeys(absent))
+    return tuple(absent)
 
 
-def _content(path: str | os.PathLike[str]) -> tuple[Path, str]:
-    path = checked(path, LIMIT_BYTES)
-    return path, text(path, LIMIT_BYTES)
+def _look(path: Path, content: str) -> Look:
+    try:
+        return look(path, content.encode())
+    except BodyError as error:
+        raise TeacherError(str(error)) from None

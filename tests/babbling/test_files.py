@@ -122,7 +122,7 @@ def test_huge_files_are_refused_before_they_are_read(file: Path, tmp_path: Path)
     with open(tmp_path / "huge.nc", "wb") as f:
         os.truncate(f.fileno(), 10 << 30)
     assert (10 << 30) > LARGEST_BYTES
-    with pytest.raises(BabblingError, match=r"10737418240 bytes; more than \d+ are not read"):
+    with pytest.raises(BabblingError, match=r"has 10,240 MB where at most 1,024 MB are read"):
         load(tmp_path / "huge.nc", Mind)
     name = "forward_model_table_counts"
     with h5py.File(file, "r+") as f:  # small on disk, 80 GB once unpacked; only what is asked for counts
@@ -168,3 +168,11 @@ def test_forward_models_of_another_pilot_are_refused(arm_mind: Mind) -> None:
     model.frame = replace(frame, line=frame.line + 1)
     with pytest.raises(BabblingError, match="another frame than its pilot found"):
         replace(arm_mind, forward_model=model)
+
+
+def test_a_file_that_lost_an_end_of_its_seal_is_damaged(file: Path, tmp_path: Path) -> None:
+    whole, path = file.read_bytes(), tmp_path / "cut.nc"
+    for lost in (1, 3, 31, 40):
+        path.write_bytes(whole[:-lost])
+        with pytest.raises(BabblingError, match="damaged"):
+            load(path, Mind)

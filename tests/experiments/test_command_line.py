@@ -332,7 +332,7 @@ def test_forward_models_that_do_not_fit(
     assert f"{path}: this is not a file of kind" in refused(*common)
     with open(path, "wb") as file:
         os.truncate(file.fileno(), 10 << 30)
-    assert f"{path}: 10737418240 bytes; more than" in refused(*common)
+    assert f"{path}: has 10,240 MB where at most" in refused(*common)
     assert "this is a directory" in refused(*common[:-1], tmp_path)
     assert "there is no such file" in refused(*common[:-1], tmp_path / "none.nc")
 

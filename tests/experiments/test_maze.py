@@ -66,7 +66,7 @@ def command(*words: object) -> int:
 
 
 def test_a_run_leaves_what_it_promises(tiny, tmp_path, monkeypatch):
-    monkeypatch.setattr("experiments.shared.experiment.version", lambda name: "0")  # works uninstalled as well
+    monkeypatch.setattr("experiments.shared.provenance.version", lambda name: "0")  # works uninstalled as well
     out = tmp_path / "out"
     assert command("--maze", tiny, "--goal", 3, "--wander-steps", 3000, "--selection", "matching", "--out", out) == 0
     left = {path.name for path in out.iterdir()}

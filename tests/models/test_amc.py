@@ -113,7 +113,7 @@ def change(number: int, text: str) -> Callable[[list[str]], list[str]]:
         (lambda lines: [*lines[:-1], "ltoes"], r"line 183 \(frame 6\): bone 'ltoes' has 0 numbers where 1 are needed"),
         (lambda lines: lines[:40] + lines[41:], "the next frame begins in the middle of frame 2"),
         (change(8, "thorax 1 nan 1"), r"line 8 \(frame 1\): bone 'thorax': 'nan' is not a finite number"),
-        (change(8, "thorax 1 left 1"), r"line 8 \(frame 1\): bone 'thorax': 'left' is not a number"),
+        (change(8, "thorax 1 left 1"), r"line 8 \(frame 1\): bone 'thorax': 'left' is not a finite number"),
         (change(8, "thorax 1 1"), r"line 8 \(frame 1\): bone 'thorax' has 2 numbers where 3 are needed"),
         (change(8, "torax 1 1 1"), r"line 8 \(frame 1\): bone 'torax' does not exist; did you mean 'thorax'"),
         (change(8, "qqq 1 1 1"), "bone 'qqq' does not exist; only the skeleton of the CMU database is known"),
