@@ -65,14 +65,16 @@ class Tally:
 
     def told(self) -> str:
         """A line, and a line for each bug with how to see it."""
-        lines = [
-            f"{self.reader:<22} {self.cases:>7} cases {self.read:>7} read {self.refused:>7} refused {self.seconds:7.1f} s"
-        ]
+        lines = [line(self.reader, self.cases, self.read, self.refused, self.seconds)]
         for bug, cases in self.bugs.items():
             lines.append(
                 f"    {len(cases)} x {bug}\n        --reader '{self.reader}' --case {' '.join(map(str, cases[:4]))}"
             )
         return "\n".join(lines)
+
+
+def line(name: str, cases: int, read: int, refused: int, seconds: float) -> str:
+    return f"{name:<22} {cases:>7} cases {read:>7} read {refused:>7} refused {seconds:7.1f} s"
 
 
 def main() -> int:
@@ -84,7 +86,7 @@ def main() -> int:
     parser.add_argument("--case", type=int, nargs="*", help="these cases of it, in this process")
     parser.add_argument("--keep", type=Path, help="where to put the case's file")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--refusals", action="store_true", help="what was refused how often, too")
+    parser.add_argument("--refusals", action="store_true", help="what was refused how often, too: what was reached")
     parser.add_argument("--json", type=Path, help="where to write what was found")
     asked = parser.parse_args()
     names = asked.reader or list(READERS)
@@ -105,8 +107,7 @@ def main() -> int:
                 found.append(tally)
     if asked.json:
         asked.json.write_text(json.dumps([asdict(tally) | {"told": tally.told()} for tally in found]))
-    total = [sum(getattr(one, what) for one in found) for what in ("cases", "read", "refused", "seconds")]
-    print(f"{'all':<22} {total[0]:>7} cases {total[1]:>7} read {total[2]:>7} refused {total[3]:7.1f} s")
+    print(line("all", *(sum(getattr(one, what) for one in found) for what in ("cases", "read", "refused", "seconds"))))
     return int(any(tally.bugs for tally in found))
 
 
