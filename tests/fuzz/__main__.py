@@ -118,6 +118,7 @@ def forked(words: list[str], **how: Any) -> subprocess.CompletedProcess[bytes]:
         os.dup2(writing, 1)
         os.environ.update(how["env"])
         sys.argv[:] = words[3:]
+        apart.MEMORY += int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
         apart._here()
     os.close(writing)
     if not (ended := select.select([reading], [], [], how["timeout"])[0]):

@@ -108,7 +108,8 @@ def deleted(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rng
 
 def repeated(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rng: Rng) -> bytes:
     start, end = span(content, rng)
-    return content[:end] + content[start:end] * int(rng.choice([1, 1, 3, 50, 3000])) + content[end:]
+    times = min(int(rng.choice([1, 1, 3, 50, 3000])), LARGEST // (end - start + 1))
+    return content[:end] + content[start:end] * times + content[end:]
 
 
 def swapped(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rng: Rng) -> bytes:
@@ -145,7 +146,7 @@ def numbered(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rn
 def worded(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rng: Rng) -> bytes:
     """Another of the format's words where one stands."""
     there = [word for word in words if word and word in content]
-    return content.replace(pick(there, rng), pick(words, rng), int(rng.choice([1, -1]))) if there else content
+    return content.replace(pick(there, rng), pick(words, rng), int(rng.choice([1, 9]))) if there else content
 
 
 def relined(content: bytes, words: Sequence[bytes], others: Sequence[bytes], rng: Rng) -> bytes:
