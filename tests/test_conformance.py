@@ -19,9 +19,6 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-import babbling.balance
-import babbling.frame
-import babbling.looking
 from babbling.axes import Axis
 from babbling.body import Body
 from babbling.body_image import BodyImage, learn_image
@@ -345,9 +342,8 @@ def kept(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
 
 def write_kinds(arm: Path, folder: Path, patch: pytest.MonkeyPatch) -> dict[str, Path]:
     """A file of every kind in a folder; small ones, which are tried sooner, as long as the patch lasts."""
-    patch.setattr(babbling.looking, "GRID", (3, 3, 3, 5, 7))
-    patch.setattr(babbling.frame, "GRID", (3, 9, 9))
-    patch.setattr(babbling.balance, "CELLS", (5, 5, 7))
+    for name, size in (("looking.GRID", (3, 3, 3, 5, 7)), ("frame.GRID", (3, 9, 9)), ("balance.CELLS", (5, 5, 7))):
+        patch.setattr(f"babbling.{name}", size)
     paths, mind = {name: folder / f"{name}.nc" for name in FILES}, learn(load_body(arm, copies=8), minutes=0.5, seed=0)
     for name, path in paths.items():
         save(FILES[name](mind), path)
