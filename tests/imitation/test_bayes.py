@@ -140,7 +140,7 @@ def test_what_is_no_probability_is_refused(bad):
     with pytest.raises(ImitationError, match="is not a probability"):
         action_posterior([0.5, bad])
     with pytest.raises(ImitationError, match=r"likelihood: -0.25 is not a probability"):  # the first of them
-        action_posterior([0.5, -0.25, bad])
+        action_posterior([0.0, -0.25, bad])
 
 
 def test_a_weight_of_two_is_the_likelihood_given_twice_and_of_zero_leaves_it_out():
