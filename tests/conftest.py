@@ -28,6 +28,14 @@ os.environ.setdefault("MUJOCO_GL", "disabled")
 CMU = Path(__file__).resolve().parents[2] / "shared" / "data" / "cmu"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Of the fuzz suite."""
+    parser.addoption(
+        "--fuzz", type=float, metavar="SECONDS", help="tests/fuzz: go on so long, instead of a short while"
+    )
+    parser.addoption("--fuzz-seed", default="0", metavar="N", help="tests/fuzz: other cases")
+
+
 @pytest.fixture
 def cmu() -> Path:
     """Folder of real CMU motion capture files beside the project; tests that need it skip without it."""

@@ -19,9 +19,6 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-import babbling.balance
-import babbling.frame
-import babbling.looking
 from babbling.axes import Axis
 from babbling.body import Body
 from babbling.body_image import BodyImage, learn_image
@@ -339,15 +336,18 @@ def counted_moves() -> ForwardModel:
 @pytest.fixture(scope="module")
 def kept(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Path]]:
     """A file of every kind."""
-    paths = {name: tmp_path_factory.mktemp("kinds") / f"{name}.nc" for name in FILES}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(babbling.looking, "GRID", (3, 3, 3, 5, 7))  # small files are tried sooner
-        patch.setattr(babbling.frame, "GRID", (3, 9, 9))
-        patch.setattr(babbling.balance, "CELLS", (5, 5, 7))
-        mind = learn(load_body(arm, copies=8), minutes=0.5, seed=0)
-        for name, path in paths.items():
-            save(FILES[name](mind), path)
-        yield paths
+        yield write_kinds(arm, tmp_path_factory.mktemp("kinds"), patch)
+
+
+def write_kinds(arm: Path, folder: Path, patch: pytest.MonkeyPatch) -> dict[str, Path]:
+    """A file of every kind in a folder; small ones, which are tried sooner, as long as the patch lasts."""
+    for name, size in (("looking.GRID", (3, 3, 3, 5, 7)), ("frame.GRID", (3, 9, 9)), ("balance.CELLS", (5, 5, 7))):
+        patch.setattr(f"babbling.{name}", size)
+    paths, mind = {name: folder / f"{name}.nc" for name in FILES}, learn(load_body(arm, copies=8), minutes=0.5, seed=0)
+    for name, path in paths.items():
+        save(FILES[name](mind), path)
+    return paths
 
 
 def read_variables(path: Path) -> dict[str, tuple[NDArray[np.generic], bool]]:

@@ -210,3 +210,10 @@ def test_nothing_to_look_at_is_said(tmp_path) -> None:  # type: ignore[no-untype
     body.ways[:] = [-1.0, 0.0, 0.0]
     with pytest.raises(BabblingError, match="little to look at"):
         pilot_looking(body, REACH, 0)
+
+
+def test_eyes_of_another_size_are_refused(mind: LookingMind) -> None:
+    other = GeometricHead(copies=1)
+    other.sense_high = np.where(np.arange(len(other.sense_high)) < 2, other.sense_high, 2 * other.sense_high + 1)
+    with pytest.raises(BabblingError, match=r"learned with retinas of .* pixels, this body has others"):
+        mind.check(other)

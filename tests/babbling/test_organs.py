@@ -1,11 +1,13 @@
 """Mirrors: single acts tell which sense moves which part, and what the parts look like in every posture."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from babbling.body_image import BodyImage, learn_image
+from babbling.body_image import BodyImage, PartImage, learn_image
 from babbling.errors import BabblingError
 from babbling.files import load, save
 from babbling.mirroring import ACT_S, HOLD_S, MirrorExperience, mirror_babble
@@ -135,3 +137,15 @@ def test_refusals() -> None:
     )
     with pytest.raises(BabblingError, match="no motor was seen to move the"):
         find_organs(numb)
+    nothing = replace(still, acts=still.acts[:0])
+    with pytest.raises(BabblingError, match="no single act was completed in front of the mirror; babble longer"):
+        find_organs(nothing)
+    short, end = replace(still, postures=still.postures[:4], directions=still.directions[:4]), np.full(5, 1.5)
+    with pytest.raises(BabblingError, match="was seen too shortly to learn from; babble longer"):
+        learn_image(short, find_organs(still), -end, end, 0 * end, 0, "creature")
+
+
+@pytest.mark.parametrize("joints, rows", [([0, 1], 3), ([1, 0], 9), ([0, 0], 9), (range(7), 3**7)])
+def test_a_part_is_its_ascending_senses_and_all_products_of_their_harmonics(joints: Sequence[int], rows: int) -> None:
+    with pytest.raises(BabblingError, match="n ascending ones and 3"):
+        PartImage(np.array(joints), np.zeros(len(joints)), np.zeros((rows, 3)), 0.1)

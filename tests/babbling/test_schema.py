@@ -11,7 +11,7 @@ from babbling.dynamics import fit_dynamics
 from babbling.errors import BabblingError
 from babbling.exploration import MotorRange, smooth
 from babbling.pilot import pilot, wire
-from babbling.schema import find_schema, mutual_information, one_by_one, resolution
+from babbling.schema import LEAST_BITS, find_schema, mutual_information, one_by_one, resolution, together
 from tests.babbling.plant import TICK, Plant
 
 seeds = st.integers(0, 2**32 - 1)
@@ -266,3 +266,20 @@ def test_what_is_pushed_about_asks_for_no_posture() -> None:
             pilot(plant, 0)
         servo = -1
         assert len(pilot(plant, 0).schema.posture) == 3
+
+
+def test_one_copy_alone_finds_by_chance_what_its_own_commands_of_another_time_tell() -> None:
+    rng = np.random.default_rng(0)
+    motors = rng.standard_normal((2000, 1, 2))
+    senses = motors[..., ::-1] + 0.1 * rng.standard_normal((2000, 1, 2))
+    bits, chance = together(motors, senses)
+    assert (bits[[0, 1], [1, 0]] > 2).all() and (bits[[0, 1], [0, 1]] < chance).all() and chance == LEAST_BITS
+    again = np.concatenate([motors[:1000], motors[:1000]])  # what was done then is what is done now
+    assert together(again, again)[1] > 2
+
+
+def test_a_sense_that_never_leaves_its_ends_is_no_posture() -> None:
+    motors = np.random.default_rng(0).uniform(-1, 1, (900, 2, 1))
+    stuck = np.where(motors > 0, 1.0, -1.0)
+    with pytest.raises(BabblingError, match="motor 0: its posture sense never leaves the ends of its range"):
+        find_schema(motors, stuck, np.ones((20, 2, 1)), -np.ones(1), np.ones(1), TICK)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from babbling.moves import overridden
 from imitation.errors import ImitationError
-from imitation.inference.bayes import action_posterior, entropy, goal_posterior, unobserved_action
+from imitation.inference.bayes import action_posterior, entropy, goal_posterior, joint_likelihood, unobserved_action
 
 EXACT = 1e-12
 sizes = st.integers(1, 7)
@@ -139,3 +139,22 @@ def test_zero_over_zero_is_said_and_never_a_number():
 def test_what_is_no_probability_is_refused(bad):
     with pytest.raises(ImitationError, match="is not a probability"):
         action_posterior([0.5, bad])
+    with pytest.raises(ImitationError, match=r"likelihood: -0.25 is not a probability"):  # the first of them
+        action_posterior([0.0, -0.25, bad])
+
+
+def test_a_weight_of_two_is_the_likelihood_given_twice_and_of_zero_leaves_it_out():
+    one, other = np.random.default_rng(0).random((2, 4, 7))
+    np.testing.assert_allclose(joint_likelihood([one, other], [2, 1]), one * one * other, rtol=EXACT)
+    np.testing.assert_array_equal(joint_likelihood([one, other], [1, 0]), one)
+    each = np.array([0.0, 1.0, 2.0, 0.5])
+    np.testing.assert_allclose(joint_likelihood([one], [each]), one ** each[:, None], rtol=EXACT)
+
+
+@pytest.mark.parametrize("bad", [-0.5, -1e-9, np.nan, np.inf, [1.0, -0.5]])
+def test_what_is_no_weight_is_refused_by_the_number_of_its_term(bad):
+    likely = np.ones((2, 3))
+    with pytest.raises(ImitationError, match=r"term 1: weight .*must be finite and at least 0"):
+        joint_likelihood([likely, likely], [1, bad])
+    with pytest.raises(ValueError, match="shorter"):
+        joint_likelihood([likely, likely], [1])

@@ -168,3 +168,12 @@ def test_steady_seeing() -> None:
     np.testing.assert_allclose(still.directions, np.tile(true[:1], (50, 1)), atol=1e-9)
     with pytest.raises(ImitationError, match="seen in 3 frames only"):
         steady("hidden", true, np.arange(200) < 3)
+
+
+def test_a_direction_that_turned_round_while_it_was_hidden_cannot_be_bridged() -> None:
+    seen, visible = np.zeros((41, 3)), np.ones(41, bool)
+    seen[:20, 0], seen[20:, 0], visible[10:31] = 1.0, -1.0, False
+    with pytest.raises(ImitationError, match="arm: hidden too long, or its direction turned round"):
+        steady("arm", seen, visible)
+    seen[20:, 0] = 1.0
+    np.testing.assert_allclose(steady("arm", seen, visible).directions, seen, atol=1e-6)

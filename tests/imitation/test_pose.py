@@ -5,7 +5,7 @@ import pytest
 
 from babbling.kalman import Belief, predict
 from imitation.errors import ImitationError
-from imitation.seeing.pose import Appearance, LiveWatch, frame_pose, watch
+from imitation.seeing.pose import UNKNOWN, Appearance, LiveWatch, frame_pose, watch
 
 GROUP = np.arange(6) // 2
 
@@ -157,3 +157,11 @@ def test_smoothing_beats_filtering_beats_each_frame_and_both_know_how_well() -> 
     late = watch(look, np.concatenate([np.full((5, 6), np.nan), numbers]), 0.04, acceleration=0.8)
     np.testing.assert_array_equal(late.pose[5:], seen.pose)  # before the first pose there is nothing to know
     np.testing.assert_array_equal(late.pose[:5], np.tile(seen.pose[0], (5, 1)))
+
+
+def test_before_the_first_face_nothing_is_known_and_lies_alone_change_nothing() -> None:
+    watching = LiveWatch(known(), 0.04)
+    assert watching.see(np.full(6, np.nan)) is UNKNOWN and watching.belief is None and watching.used == 0
+    watching.belief = Belief(np.array([0.1, 0.1, 0.0, 0.0]), np.diag([0.02, 0.02, 0.1, 0.1]) ** 2)
+    before = watching.belief
+    assert watching.see(looks(np.array([0.1, 0.1])) + 300.0) is before and watching.used == 0

@@ -248,3 +248,11 @@ def test_walks_survive_their_table_and_strangers_tables_are_checked(tmp_path):
         with pytest.raises(BodyError, match=told):
             read_walks(file, maze)
     assert len(ACTIONS) == 5
+
+
+def test_blank_lines_about_a_drawing_do_no_harm_and_a_goal_is_not_the_start():
+    plain, framed = parse_maze(SMALL), parse_maze(f"\n  \n{SMALL}\n \n\n")
+    np.testing.assert_array_equal(plain.walls, framed.walls)
+    assert (plain.start, plain.goals) == (framed.start, framed.goals)
+    with pytest.raises(BodyError, match=r"goal 2 stands on the start \(2, 1\); put it elsewhere"):
+        Maze(plain.walls, (2, 1), (plain.goals[0], (2, 1)))
