@@ -26,7 +26,7 @@ import warnings
 import zlib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from multiprocessing import get_context
+from multiprocessing import Pipe, get_context
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -111,24 +111,54 @@ def main() -> int:
     return int(any(tally.bugs for tally in found))
 
 
-def forked(words: list[str], **how: Any) -> subprocess.CompletedProcess[bytes]:
-    """`subprocess.run` for `models.apart`: the same trial in a fork of this process, which has loaded everything."""
+def forked(words: list[str], env: dict[str, str]) -> tuple[int, bytes]:
+    """Exit status and words of a trial of `models.apart` in a fork of this process, which has loaded everything."""
     reading, writing = os.pipe()
     if (child := os.fork()) == 0:
         os.dup2(writing, 1)
-        os.environ.update(how["env"])
-        sys.argv[:] = words[3:]
-        apart.MEMORY += int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
+        os.environ.update(env)
+        sys.argv[1:] = words[-3:]
+        apart.RESERVED += int(Path("/proc/self/statm").read_text().split()[5]) * resource.getpagesize()
         apart._here()
     os.close(writing)
-    if not (ended := select.select([reading], [], [], how["timeout"])[0]):
+    if not select.select([reading], [], [], MOST_WALL_S / 2)[0]:
         os.kill(child, signal.SIGKILL)
     said = b"".join(iter(lambda: os.read(reading, 1 << 16), b""))
     os.close(reading)
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if not ended:
-        raise subprocess.TimeoutExpired(words, how["timeout"])
-    return subprocess.CompletedProcess(words, status, said)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said
+
+
+def trials(out: int) -> type:
+    """What stands for `subprocess.Popen` in `models.apart`: `forked`, by a process that is begun now and stays without
+    threads, for a fork of one that has some may never end."""
+    here, there = Pipe()
+    if os.fork() == 0:
+        os.close(out)
+        here.close()
+        with contextlib.suppress(EOFError):  # until who asks has ended
+            while True:
+                there.send(forked(*there.recv()))
+        os._exit(0)
+    there.close()
+
+    class Trial(contextlib.nullcontext["Trial"]):
+        pid = 0
+
+        def __init__(self, words: list[str], *, env: dict[str, str], **_: object) -> None:
+            super().__init__(self)
+            here.send((words, dict(env)))
+            self.returncode, self.said = here.recv()
+
+        def poll(self) -> int:
+            return self.returncode
+
+        def kill(self) -> None:
+            pass
+
+        def communicate(self) -> tuple[bytes, bytes]:
+            return self.said, b""
+
+    return Trial
 
 
 @contextlib.contextmanager
@@ -244,9 +274,9 @@ def attempt(
 def batch(name: str, places: Any, seed: int, first: int, seconds: float | None, out: int) -> None:
     """Cases, one after the other, each with a word before and a word after."""
     reader, folder, started = READERS[name], places[name][0], time.process_time()
-    if apart is not None:
-        apart.subprocess = SimpleNamespace(**vars(subprocess) | {"run": forked})
     os.chdir(folder)
+    if apart is not None:
+        apart.subprocess = SimpleNamespace(**vars(subprocess) | {"Popen": trials(out)})
     words = os.open(folder.with_suffix(".words"), os.O_CREAT | os.O_RDWR | os.O_TRUNC)
     os.dup2(words, 1)
     os.dup2(words, 2)
@@ -274,6 +304,8 @@ def batch(name: str, places: Any, seed: int, first: int, seconds: float | None, 
 def judged(reader: Reader, folder: Path, right: bool, words: int) -> tuple[str, str]:
     """("read" | "refused" | "bug", what of it)."""
     there = {*folder.rglob("*")}
+    if apart is not None:
+        apart.apart.cache_clear()  # what a file names may have changed
     try:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
