@@ -100,6 +100,10 @@ def table(content: str, path: Path) -> Table:
         cells = np.stack([frame[column].str.strip().to_numpy(object) for column in frame], 1)
     except (pandas.errors.ParserError, ValueError) as fault:
         raise BodyError(f"{path}: cannot be read as a table ({' '.join(str(fault).split())[:100]})") from None
+    if len(cells) != len(kept):
+        raise BodyError(
+            f"{path}: a quote stands inside a cell, so that lines run together; put quotes around whole cells"
+        )
     filled = cells != ""
     for row in np.flatnonzero((filled & (np.arange(cells.shape[1]) >= counts[:, None])).any(1)):
         raise BodyError(f"{path}: line {kept[row][0]}: a quote stands inside a cell; put quotes around whole cells")

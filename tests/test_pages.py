@@ -143,7 +143,9 @@ def test_the_smallest_experiment_runs(
     assert "--babbling-minutes -1: it must be more than 0" in capsys.readouterr().err
     out = tmp_path / "out"
     assert main([sway, "--robot", str(toy), "--babbling-minutes", "0.5", "--out", str(out)]) == 0
-    assert {"config.json", "metrics.json", "errors.png", "recording.rrd", "report.html"} == {path.name for path in out.iterdir()}
+    assert {"config.json", "metrics.json", "errors.png", "recording.rrd", "report.html"} == {
+        path.name for path in out.iterdir()
+    }
     assert 0 < json.loads((out / "metrics.json").read_text())["imitated_rmse_deg"] < 1
 
 

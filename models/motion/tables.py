@@ -50,6 +50,8 @@ def in_unit(
             raise BodyError(
                 f"{path}: joint {joint!r} in unit {unit!r}; angles are in 'rad' or 'deg', what slides in 'm' or 'mm'"
             )
+    if clock and clock not in CLOCKS:
+        raise BodyError(f"{path}: time in unit {clock!r}; possible are {', '.join(CLOCKS)}")
     seconds, values = np.asarray(time, float), np.asarray(angles, float)
     for what, told in (("time", seconds), ("a joint", values)):
         if np.abs(told).max(initial=0) > LARGEST:

@@ -33,12 +33,8 @@ from typing import Any
 
 import numpy as np
 
+from models import apart
 from tests.fuzz.readers import READERS, Reader
-
-try:
-    from models import apart
-except ImportError:
-    apart = None  # until strangers' files are tried in processes of their own
 
 MOST_BYTES, MOST_CPU_S, MOST_WALL_S, MOST_DEATHS = 1 << 30, 5.0, 60.0, 6
 """More memory than before; processor seconds of a case; seconds without a word, on a loaded machine; and deaths, after
@@ -275,8 +271,7 @@ def batch(name: str, places: Any, seed: int, first: int, seconds: float | None, 
     """Cases, one after the other, each with a word before and a word after."""
     reader, folder, started = READERS[name], places[name][0], time.process_time()
     os.chdir(folder)
-    if apart is not None:
-        apart.subprocess = SimpleNamespace(**vars(subprocess) | {"Popen": trials(out)})
+    apart.subprocess = SimpleNamespace(**vars(subprocess) | {"Popen": trials(out)})
     words = os.open(folder.with_suffix(".words"), os.O_CREAT | os.O_RDWR | os.O_TRUNC)
     os.dup2(words, 1)
     os.dup2(words, 2)
@@ -304,8 +299,7 @@ def batch(name: str, places: Any, seed: int, first: int, seconds: float | None, 
 def judged(reader: Reader, folder: Path, right: bool, words: int) -> tuple[str, str]:
     """("read" | "refused" | "bug", what of it)."""
     there = {*folder.rglob("*")}
-    if apart is not None:
-        apart.apart.cache_clear()  # what a file names may have changed
+    apart.apart.cache_clear()  # what a file names may have changed
     try:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")

@@ -1,10 +1,12 @@
 """Good examples of everything that is read, and the words that their formats are made of."""
 
+import io
+import json
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from PIL import Image
 
 from experiments.benchmark.lives import Point
 from experiments.registry import EXPERIMENTS
-from experiments.shared.experiment import as_json
+from experiments.shared import kept
 from models.maze import MazeBody, default_maze, parse_maze
 from models.maze.drawing import draw
 from models.maze.teacher import demonstrate
@@ -20,8 +22,8 @@ from models.maze.walk_file import write_walks
 from models.teachers.amc import BONES, write_amc
 from tests.conftest import ARM
 from tests.experiments.test_compare import left
+from tests.kinds import write_kinds
 from tests.models.test_bvh import skeleton
-from tests.test_conformance import write_kinds
 
 
 def tokens(said: str) -> tuple[bytes, ...]:
@@ -252,9 +254,12 @@ JSON = (
 )
 
 
-def lives(folder: Path) -> list[bytes]:
-    point = Point(2.0, {"average": [0.1, 0.2]}, {"average": np.array([0.5, 0.25])}, [[0.1, 0.05]], {})
-    return [as_json([asdict(point)] * 2).encode()]
+def parts(folder: Path) -> list[bytes]:
+    """A kept part of a study."""
+    point, arrays = Point(2.0, {"average": [0.1]}, {"average": np.array([0.5, 0.25])}, [[0.1, 0.05]], {}), list[Any]()
+    tree = json.dumps(kept._put(point, arrays, {kept._name(Point): Point})).encode()
+    np.savez(content := io.BytesIO(), np.frombuffer(tree, np.uint8), *arrays)
+    return [content.getvalue()]
 
 
 def lines(folder: Path) -> list[bytes]:
