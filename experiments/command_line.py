@@ -18,6 +18,8 @@ from models.errors import BodyError
 if TYPE_CHECKING:
     from experiments.shared.options import Options
 
+NARROWEST = 40
+"""Columns of a terminal that help is made for."""
 USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | imitate --version
        eval "$(imitate --completion bash)" completes names and options (zsh: the same)"""
 
@@ -25,6 +27,9 @@ USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | 
 def obey(words: list[str]) -> int:
     """Run one experiment; the exit status is 0, or 2 for what the user can mend."""
     try:
+        alone = words[:1] in (["-h"], ["--help"], ["list"], ["--version"])
+        if alone and words[1:]:
+            raise ExperimentError(f"{words[0]} {' '.join(words[1:])}: nothing goes with {words[0]}; leave the rest out")
         if not words or words[0] in ("-h", "--help", "list"):
             listing(full=not words or words[0] != "list")
             return 0
@@ -129,6 +134,8 @@ def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None
     import tyro
 
     said = io.StringIO()
+    if os.environ.get("COLUMNS", "").isdigit() and int(os.environ["COLUMNS"]) < NARROWEST:  # tyro would not end
+        os.environ["COLUMNS"] = str(NARROWEST)
     try:
         with redirect_stderr(said):
             return tyro.cli(kind, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
@@ -147,9 +154,13 @@ PLAIN = (
 
 
 def in_one_line(box: str, name: str) -> str:
-    """The message and the suggestions out of tyro's boxes."""
-    lines = [line.strip("│ ") for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines() if line[:1] not in "╭╰"]
-    parts = [" ".join(part.split()) for part in re.split(r"\n─+\n", "\n".join(lines))]
+    """The message and the suggestions out of tyro's boxes, which have no sides where letters are ASCII alone."""
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", box).replace("─", "-").splitlines()[1:]
+    lines = [line.strip("│ ") for line in plain if line[:1] != "╰"]
+    parts = [
+        " ".join(part.split())
+        for part in re.split(r"\n-{20,}\n", "\n".join(lines).removeprefix("-" * 20).lstrip("-\n"))
+    ]
     message = parts[0] or "these options cannot be understood"
     for pattern, plain in PLAIN:
         message = re.sub(f"^{pattern}$", plain, message)

@@ -18,7 +18,7 @@ from babbling.variables import Variables
 from experiments.errors import ExperimentError
 from models.files import text
 
-LARGEST_JSON, LARGEST_ARRAYS, LONGEST_S = 1 << 24, 1 << 28, 1e6
+LARGEST_JSON, LARGEST_ARRAYS, SHORTEST_S, LONGEST_S = 1 << 24, 1 << 28, 1e-6, 1e6
 LONGEST_NAME, LONGEST_VALUE, MOST_NAMES = 60, 40, 10_000
 TIMINGS = ("_s", "_ms", "_factor", "_mb")
 """So end metrics that tell of the machine."""
@@ -143,8 +143,9 @@ def _tracks(path: Path) -> Tracks:
             demonstrated = held.numbers("demonstrated", Numbers("time joint"), np.float32)
             imitated = held.numbers("imitated", Numbers("attempt time joint"), np.float32)
             units = tuple(row.tobytes().rstrip(b"\0").decode(errors="replace") for row in letters)
-            if len(time) < 2 or not (np.diff(time) > 0).all() or not len(imitated) or len(set(shown)) < len(joints):
-                raise BabblingError("time does not go on, nobody imitated, or two joints have one name")
+            timed = len(time) > 1 and (np.diff(time) > SHORTEST_S).all()
+            if not timed or not len(imitated) or not joints or len(set(shown)) < len(joints):
+                raise BabblingError("time does not go on, nobody imitated, or there is no joint or a name twice")
             return Tracks(time, shown, tuple(plain(unit, 20) for unit in units), demonstrated, imitated[-1])
     except BabblingError as error:
         raise ExperimentError(f"{path}: {error}") from error

@@ -359,3 +359,24 @@ def test_numbers_that_are_none_never_reach_a_file() -> None:
     assert as_json({"a": np.float64(1.5), "b": np.arange(2), "c": (Path("x"), None)}) == (
         '{\n  "a": 1.5,\n  "b": [\n    0,\n    1\n  ],\n  "c": [\n    "x",\n    null\n  ]\n}\n'
     )
+
+
+@pytest.mark.parametrize("locale", ["C", "C.UTF-8"])
+def test_a_wrong_option_is_a_line_in_every_locale(locale: str) -> None:
+    """Where letters are ASCII alone, boxes have no sides; a terminal of one column is one of forty."""
+    where = {"LC_ALL": locale, "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "COLUMNS": "1"}
+    done = subprocess.run(
+        [sys.executable, "-m", "experiments", "gesture", "--sed", "3"],
+        env=os.environ | where, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 2 and done.stdout == ""
+    assert done.stderr == (
+        "imitate: unknown option --sed, 3; did you mean --seed or --speed?; `imitate gesture --help` lists what there is\n"
+    )
+
+
+@pytest.mark.parametrize("words", [["list", "x"], ["--version", "now"], ["--help", "gesture"]], ids=" ".join)
+def test_what_takes_no_more_words_is_given_none(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert not out and err == f"imitate: {' '.join(words)}: nothing goes with {words[0]}; leave the rest out\n"
