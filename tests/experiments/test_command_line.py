@@ -370,9 +370,8 @@ def test_a_wrong_option_is_a_line_in_every_locale(locale: str) -> None:
         env=os.environ | where, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr == (
-        "imitate: unknown option --sed, 3; did you mean --seed or --speed?; `imitate gesture --help` lists what there is\n"
-    )
+    meant = "unknown option --sed, 3; did you mean --seed or --speed?"
+    assert done.stderr == f"imitate: {meant}; `imitate gesture --help` lists what there is\n"
 
 
 @pytest.mark.parametrize("words", [["list", "x"], ["--version", "now"], ["--help", "gesture"]], ids=" ".join)
