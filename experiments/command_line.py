@@ -155,8 +155,8 @@ PLAIN = (
 
 def in_one_line(box: str, name: str) -> str:
     """The message and the suggestions out of tyro's boxes, which have no sides where letters are ASCII alone."""
-    plain = re.sub(r"\x1b\[[0-9;]*m", "", box).replace("─", "-").splitlines()[1:]
-    lines = [line.strip("│ ") for line in plain if line[:1] != "╰"]
+    bare = re.sub(r"\x1b\[[0-9;]*m", "", box).replace("─", "-").splitlines()[1:]
+    lines = [line.strip("│ ") for line in bare if line[:1] != "╰"]
     parts = [
         " ".join(part.split())
         for part in re.split(r"\n-{20,}\n", "\n".join(lines).removeprefix("-" * 20).lstrip("-\n"))
