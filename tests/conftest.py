@@ -1,6 +1,7 @@
 """Shared fixtures: where outside data stands, when it does."""
 
 import os
+import signal
 import tempfile
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -19,6 +20,7 @@ import imitation.acting.movement
 import imitation.acting.rehearsal
 import models.apart
 from babbling.mind import Mind, learn
+from experiments.stopping import STOPS
 from models.errors import BodyError, Told
 from models.loading import load_body
 from tests.recordings import empty_views
@@ -95,6 +97,15 @@ ARM = """
   </actuator>
 </mujoco>
 """
+
+
+@pytest.fixture(autouse=True)
+def signals_as_they_were() -> Iterator[None]:
+    """Who runs the command line in this process leaves it deaf, and with it what it begins."""
+    before = {number: signal.getsignal(number) for number in (*STOPS, signal.SIGALRM)}
+    yield
+    for number, heard in before.items():
+        signal.signal(number, heard)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -85,6 +85,7 @@ def main() -> int:
     parser.add_argument("--refusals", action="store_true", help="what was refused how often, too: what was reached")
     parser.add_argument("--json", type=Path, help="where to write what was found")
     asked = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whoever began this may be deaf to it, and a pool's end needs it
     names = asked.reader or list(READERS)
     with prepared() as places:
         if asked.case:
