@@ -205,7 +205,7 @@ def test_every_body_clip_and_model_has_an_error_for_every_seed(tiny: Path, arm: 
     assert np.mean(errors["average"]) < 0.5 * np.mean(errors["replay"])
     assert len(metrics["fifth_deg"][str(arm)]["short.csv"]) == 2
     assert metrics["best_peer"][str(arm)]["short.csv"] in ("table", "feature_line")
-    assert {p.name for p in tiny.iterdir()} == {"config.json", "metrics.json", "errors.png"}
+    assert {p.name for p in tiny.iterdir()} == {"config.json", "metrics.json", "errors.png", "report.html"}
 
 
 def test_a_life_without_peers_is_the_mind_of_every_other_experiment(

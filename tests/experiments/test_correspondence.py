@@ -145,7 +145,7 @@ def done(quick: None, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> 
 
 def test_what_a_run_leaves_behind(done: Path) -> None:
     assert {path.name for path in done.iterdir()} == {
-        "config.json", "metrics.json", "recording.rrd", "body_image.nc", "structure.png", "teachers.png",
+        "config.json", "metrics.json", "report.html", "recording.rrd", "body_image.nc", "structure.png", "teachers.png",
         "learning_curve.png", "tries.png", "harder_acts.png",
     }  # fmt: skip
     metrics = json.loads((done / "metrics.json").read_text())

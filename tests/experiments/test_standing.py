@@ -184,7 +184,7 @@ def test_one_leg_is_learned_after_both_and_takes_nothing_of_them_away(
 
 
 def test_learners_are_others_every_time_and_none_of_those_who_are_judged(mind: Mind, hung: SimulatedBody) -> None:
-    learner, masses = Learner(OPTIONS, mind, hung, lambda share: None, [], []), []
+    learner, masses = Learner(OPTIONS, mind, hung, lambda share: None, Journal(), [], []), []
     for _ in range(2):
         body = learner.bodies(3)
         masses.append(np.array(body.batch.expand("body_mass")).sum(1))
@@ -199,7 +199,7 @@ def test_what_comes_just_before_a_fall_is_part_of_it(balance: Balance, mind: Min
     tip[:, 1, 0] = np.minimum(np.arange(70) / 20, 1) * 0.6
     postures = balance.home + tip @ balance.synergy
     nothing = 0 * tip
-    learner = Learner(OPTIONS, mind, hung, lambda share: None, [], [])
+    learner = Learner(OPTIONS, mind, hung, lambda share: None, Journal(), [], [])
     run = learner.stand(standing_of(OPTIONS, 2, 7), Plan(postures, postures, nothing, tip, nothing, nothing))
     twin, down = standing_of(OPTIONS, 2, 7), []
     for command in postures:

@@ -177,7 +177,7 @@ def a_kind(name: str) -> Reader:
         finally:
             again.unlink(missing_ok=True)
 
-    return Reader("case.nc", seeds, read, KINDS[name].error, (), 25 if name in LARGE else 80, a_netcdf)
+    return Reader("case.nc", seeds, read, KINDS[name].error, (), 12 if name in LARGE else 30, a_netcdf)
 
 
 def a_netcdf(path: Path, seeds: Sequence[bytes], others: Sequence[bytes], number: int, rng: Rng) -> None:
@@ -242,13 +242,13 @@ READERS: dict[str, Reader] = {
     "archive": Reader("case.npz", samples.archives, a_movement, BodyError, samples.ARCHIVE, 150, an_archive),
     "amc": Reader("case.amc", samples.amc, a_performance, BodyError, WORDS_OF_AMC, 400),
     "bvh": Reader("case.bvh", samples.bvh, a_performance, BodyError, samples.BVH, 400),
-    "urdf": Reader("case.urdf", samples.urdf, a_teacher, BodyError, samples.URDF, 200),
-    "body": Reader("case.xml", samples.bodies, it_moves, BodyError, samples.MJCF, 300),
-    "mesh as text": Reader("link.obj", samples.asset("link.obj"), it_is_dressed, BodyError, samples.OBJ, 80),
-    "mesh": Reader("link.stl", samples.asset("link.stl"), it_is_dressed, BodyError, samples.STL, 150),
-    "texture": Reader("t.png", samples.asset("t.png"), it_is_dressed, BodyError, COLOURS, 80),
-    "height field": Reader("h.png", samples.asset("h.png"), it_is_dressed, BodyError, COLOURS, 80),
-    "face": Reader("case.xml", lambda folder: [FACE.read_bytes()], a_face, BodyError, samples.MJCF, 100),
+    "urdf": Reader("case.urdf", samples.urdf, a_teacher, BodyError, samples.URDF, 120),
+    "body": Reader("case.xml", samples.bodies, it_moves, BodyError, samples.MJCF, 120),
+    "mesh as text": Reader("link.obj", samples.asset("link.obj"), it_is_dressed, BodyError, samples.OBJ, 40),
+    "mesh": Reader("link.stl", samples.asset("link.stl"), it_is_dressed, BodyError, samples.STL, 60),
+    "texture": Reader("t.png", samples.asset("t.png"), it_is_dressed, BodyError, COLOURS, 40),
+    "height field": Reader("h.png", samples.asset("h.png"), it_is_dressed, BodyError, COLOURS, 40),
+    "face": Reader("case.xml", lambda folder: [FACE.read_bytes()], a_face, BodyError, samples.MJCF, 60),
     "maze": Reader("case.txt", samples.drawings, a_maze, BodyError, WORDS_OF_A_MAZE, 800),
     "walks": Reader("case.csv", samples.walks, some_walks, BodyError, WORDS_OF_WALKS, 250),
     **{f"{name}.nc": a_kind(name) for name in sorted(KINDS)},

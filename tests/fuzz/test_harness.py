@@ -30,8 +30,14 @@ def forever() -> None:
         pass
 
 
+class Bare(BodyError):
+    """An error that says its words as they are."""
+
+    __str__ = ValueError.__str__
+
+
 def refuse(words: str) -> None:
-    raise BodyError(words)
+    raise Bare(words)
 
 
 FAULTS: dict[str, tuple[Callable[[], object], str]] = {
