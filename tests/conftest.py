@@ -100,10 +100,11 @@ ARM = """
 
 
 @pytest.fixture(autouse=True)
-def signals_as_they_were() -> Iterator[None]:
-    """Who runs the command line in this process leaves it deaf, and with it what it begins."""
-    before = {number: signal.getsignal(number) for number in (*STOPS, signal.SIGALRM)}
+def as_it_was() -> Iterator[None]:
+    """Who runs the command line in this process leaves it deaf, and with it what it begins; others go elsewhere."""
+    before, here = {number: signal.getsignal(number) for number in (*STOPS, signal.SIGALRM)}, Path.cwd()
     yield
+    os.chdir(here)
     for number, heard in before.items():
         signal.signal(number, heard)
 
