@@ -84,6 +84,7 @@ def through_time(axes: Axes, done: Performed) -> None:
         whole = np.stack([one for one in tries if len(one) == len(time)])
         axes.fill_between(time, whole.min(0), whole.max(0), color=OURS, alpha=0.25, lw=0, label="all attempts")
     axes.plot(time[: len(tries[-1])], tries[-1], color=OURS, lw=1.4, label=f"imitated, attempt {len(tries)}")
+    axes.set_ylim(None, 5 * away(done.replayed).max())  # room for what lines are called
     axes.set(yscale="log", xlabel="time [s]", ylabel=f"error of all joints, root mean square [{_units(done)}]")
     axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")

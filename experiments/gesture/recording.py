@@ -124,7 +124,7 @@ def _log_loop(stream: rr.RecordingStream, done: Performed, joint: int) -> None:
     went = {
         "felt": (felt - wanted, IMITATED, 2.5),
         "believed": (last.believed[:, 0, factor, 0] - wanted, ESTIMATED, 1.2),
-        "correction (felt bias)": (last.believed[:, 0, factor, 2], SERIES[2], 1.5),
+        "correction (felt bias)": (last.believed[:, 0, factor, 2], SERIES[5], 1.5),
         "target": (0 * wanted, DEMONSTRATED, 1.0),
     }
     for number, (said, (values, colour, width)) in enumerate(went.items()):
