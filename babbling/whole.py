@@ -92,7 +92,10 @@ def sweep(path: Path) -> bool:
     with suppress(OSError):
         for folder in [one for one in path.parent.iterdir() if one.name.startswith(begins)]:
             with suppress(OSError):
-                if not {*os.listdir(folder)} <= {"new", "old"} or (held := _hold(folder, wait=False)) is None:
+                others = any(one.name != path.name for one in folder.glob("*/*"))  # a long name's, cut as this one is
+                if others or not {*os.listdir(folder)} <= {"new", "old"}:
+                    continue
+                if (held := _hold(folder, wait=False)) is None:
                     continue
                 try:
                     back |= _clear(folder, path)

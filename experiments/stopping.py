@@ -8,7 +8,7 @@ import time
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 PATIENCE_S, AGAIN_S = 3.0, 0.02
 """Until another signal counts: what was begun is being removed; and until one that got lost is raised anew."""
-WORDS = "interrupted; results appear whole or not at all, and `imitate babble` goes on when repeated"
+WORDS = "interrupted; results appear whole or not at all; `imitate babble` and long studies go on when repeated"
 
 
 class Stopped(KeyboardInterrupt):
@@ -43,6 +43,7 @@ def work() -> None:
 
 def deaf() -> None:
     """From now on nothing is left to be stopped."""
+    _State.since = float("inf")  # for who is told meanwhile
     for number in STOPS:
         signal.signal(number, signal.SIG_IGN)
 

@@ -1,5 +1,6 @@
 """Strangers' files are tried in a process of its own first: what native readers die of, print and leave stays there."""
 
+import math
 import os
 import signal
 import subprocess
@@ -19,6 +20,8 @@ MEMORY, RESERVED = 768 << 20, 8 << 30
 """Bytes that a trial may use; that it may ask for, which MuJoCo does generously."""
 PAGE = 4096
 REFUSED = 3
+LONGEST_SAID = 2000
+"""Bytes; a pipe takes them without a reader."""
 
 
 def tried(work: str, path: Path, size: int = 0) -> None:
@@ -35,7 +38,7 @@ def tried(work: str, path: Path, size: int = 0) -> None:
 
 @lru_cache(maxsize=64)
 def apart(work: str, path: str, seconds: int, version: tuple[int, ...]) -> None:
-    """`tried`, of a file of this version."""
+    """`tried`, once in this process for a main file of this version."""
     code = f"import sys; sys.path[:] = {sys.path!r}; from models.apart import _here; _here()"
     words = [sys.executable, "-c", code, work, path, str(seconds)]
     env = os.environ | {INSIDE: "1", "OPENBLAS_NUM_THREADS": "1", "MUJOCO_GL": "disabled"}
@@ -57,7 +60,11 @@ def apart(work: str, path: str, seconds: int, version: tuple[int, ...]) -> None:
     if child.returncode and not why:
         died = signal.Signals(-child.returncode).name if child.returncode < 0 else f"exit {child.returncode}"
         slow = died in ("SIGXCPU", "SIGKILL")
-        why = f"it takes more than {seconds} s of computing" if slow else f"its reader dies of it, {died}"
+        why = (
+            f"it takes more than {seconds} s of computing, or too much memory"
+            if slow
+            else f"its reader dies of it, {died}"
+        )
     if why:
         raise BodyError(f"{path}: cannot be loaded ({why}); make it simpler, or anew")
 
@@ -68,17 +75,17 @@ def _here() -> None:
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     work, path, seconds = sys.argv[1:]
-    _bound(int(seconds))
-    said = ""
+    do, said = resolve_name(work), ""
+    _bound(int(seconds) + math.ceil(time.process_time()))  # what loading took is not the file's affair
     try:
-        resolve_name(work)(Path(path))
+        do(Path(path))
     except Told as error:
         said = str(error)
     except MemoryError:
         said = f"{path}: needs more than {MEMORY >> 20} MB; make it simpler"
     except Exception as error:  # whatever a stranger's file makes go wrong
         said = f"{path}: cannot be used ({type(error).__name__}: {error})"
-    os.write(out, said.encode(errors="replace"))
+    os.write(out, said.encode(errors="replace")[:LONGEST_SAID])
     os._exit(REFUSED if said else 0)
 
 

@@ -92,7 +92,7 @@ def lines(path: str | os.PathLike[str], content: str) -> Iterator[tuple[int, str
     start = 0
     for number in range(1, count + 2):
         end = content.find(parted, start)
-        line = content[start:] if end < 0 else content[start:end]
+        line = (content[start:] if end < 0 else content[start:end]).removesuffix("\r")
         start = end + 1
         if line.strip():
             yield number, line

@@ -18,6 +18,7 @@ def fingerprint(model: mujoco.MjModel, wear: Wear, wiring: Wiring, tick_s: float
         model.body_ipos, model.jnt_axis, model.jnt_range, model.dof_armature, model.dof_damping, model.dof_frictionloss,
         model.actuator_gainprm, model.actuator_biasprm, model.actuator_ctrlrange, model.actuator_forcerange,
         wiring.motor, wiring.gain, wiring.offset, wiring.sense,
+        model.jnt_stiffness, model.qpos_spring, model.actuator_gear, model.body_gravcomp, model.opt.gravity,
         model.tendon_stiffness, model.tendon_lengthspring, model.wrap_objid, model.wrap_prm, model.eq_data,
         np.array([*wear.backlash, *wear.shares[1:], tick_s, model.opt.timestep]),
         wear.bending, "\n".join(parts).encode(),

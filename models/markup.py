@@ -21,7 +21,7 @@ DEEPEST, MOST_ELEMENTS, MOST_NAMES, MOST_CELLS = 300, 20_000, 5000, 1 << 24
 WORDS = {"name", "class", "childclass", "model", "prefix", "file", "filename", "key"}
 """Attributes that may say anything; the numbers of others are finite."""
 NO_NUMBER = re.compile(r"(?:^|[\s,])([+-]?(?:nan|inf|infinity|[\d.]+e\+?0*[1-9]\d\d\d*|\d{100,}))(?=$|[\s,])", re.I)
-COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+COMMENT = re.compile(rb"<!--.*?(?:-->|\Z)", re.DOTALL)
 RANGED = {"joint", "position", "motor", "velocity", "general", "tendon", "spatial", "fixed"}
 REPEATED = {("replicate", "count"), ("composite", "count"), ("flexcomp", "count")}
 FOLDERS = ("meshdir", "texturedir", "assetdir")
@@ -42,16 +42,25 @@ class Look:
     included: set[Path] = field(default_factory=set)
 
     @property
-    def bytes(self) -> int:
-        """Of all files that are named and there.
+    def named(self) -> list[Path]:
+        """Files that it names and that are there, wherever they may be, in order.
 
         Raises:
-            BodyError: too many, one that is none, or is too large, or all are.
+            BodyError: too many.
         """
         if len(self.files) * len(self.folders) > MOST_NAMES:
             raise BodyError(f"{self.path}: names more than {MOST_NAMES} files; leave some out")
         named = {self.path.parent / folder / name for _, name in self.files for folder in self.folders}
-        total = sum(checked(file, LARGEST_FILE).stat().st_size for file in named if os.path.exists(file))
+        return sorted(file for file in named if os.path.exists(file))
+
+    @property
+    def bytes(self) -> int:
+        """Of all of them.
+
+        Raises:
+            BodyError: one that is no file, or is too large, or all are.
+        """
+        total = sum(checked(file, LARGEST_FILE).stat().st_size for file in self.named)
         if total > LARGEST_FILES:
             raise BodyError(
                 f"{self.path}: names {total / 2**20:,.0f} MB of meshes and textures where at most "

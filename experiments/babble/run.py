@@ -6,7 +6,7 @@ from pathlib import Path
 from babbling.balance import Balance
 from babbling.files import VERSION, is_kind, load, save
 from babbling.mind import Mind
-from babbling.whole import whole
+from babbling.whole import sweep, whole
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import babbling_curve
@@ -77,12 +77,16 @@ def babbled(config: Config, out: Path, checkpoint: Path, told: Mapping[str, str 
         learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
     metrics, curve = {"robot": config.robot, "seed": config.seed, **learned.metrics}, learned.curve
     assert curve is not None
+    with writing(out, "file"):
+        for older in (out.with_suffix(".json"), out.with_suffix(".png")):
+            older.unlink(missing_ok=True)  # of another babble: whoever is killed here is not finished
     save(learned.mind, out, people_say(body_of(config, 1)), robot=config.robot, **told)
     with writing(out, "file"):
         with whole(out.with_suffix(".json")) as beside:
             beside.write_text(as_json(metrics))
         with whole(out.with_suffix(".png")) as beside:
             babbling_curve(curve).savefig(beside, dpi=130)
+        sweep(checkpoint)
         checkpoint.unlink(missing_ok=True)  # only now: whoever is killed before goes on from there
     rows += [
         ("body time", f"{metrics['babbling_body_minutes']:.1f} + {metrics['pilot_body_minutes']:.1f} minutes (pilot)"),
@@ -100,6 +104,7 @@ def stood(config: Config, mind: Mind, out: Path, told: Mapping[str, str | float]
     with progress(f"{config.robot} learns to stand") as report:
         balance = learn_to_stand(config, mind, body_of(config, 1), report, journal)
     save(balance, out, people_say(standing_of(config, 1, 0)), robot=config.robot, **told)
+    sweep(partial)
     partial.unlink(missing_ok=True)
     return f"{balance.minutes.sum():.1f} body-minutes, {balance.falls.sum():g} falls"
 

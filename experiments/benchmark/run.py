@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,12 @@ from experiments.shared.parallel import in_parallel
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
 from experiments.shared.watching import watch
+
+resource: ModuleType | None
+try:
+    import resource
+except ImportError:
+    resource = None
 
 GROWING = (0.0, 2 / 3, 8 / 3, 23 / 3, 53 / 3, 143 / 3, 293 / 3)
 """Minutes of babbling after which the curve has points; the first is the pilot alone (HOAP-2 is not found in less)."""
@@ -68,8 +74,10 @@ def run(config: Config) -> Result:
 
 
 def peak_memory_mb() -> float:
-    """Of this process, or of the largest that lived a life: what was resident at most."""
-    most = max(getrusage(who).ru_maxrss for who in (RUSAGE_SELF, RUSAGE_CHILDREN))
+    """Of this process, or of the largest that lived a life: resident at most; 0 where nobody tells (Windows)."""
+    if resource is None:
+        return 0.0
+    most: float = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return most / (1 << 20 if sys.platform == "darwin" else 1 << 10)
 
 

@@ -27,7 +27,6 @@ BESIDE: Final = 0.75
 """m between imitator and adult."""
 MANY: Final = (*SERIES, FOUND, REPLAYED)
 OVER: Final = "over"
-PROBABILITY: Final = rrb.ScalarAxis(range=(0.0, 1.05))
 POLES: Final = ((0, 3), (3, 5), (1, 4), (4, 6))
 """Of an outline: pincers to the ends of their poles."""
 

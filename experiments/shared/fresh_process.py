@@ -36,6 +36,7 @@ def elsewhere(work: Callable[..., Found], count: int, *arguments: Sequence[Any])
     Raises:
         ExperimentError: one of them was killed.
     """
+    others = {process.pid for process in active_children()}
     with ProcessPoolExecutor(count, get_context("spawn"), _attend) as pool:
         try:
             with _signals_held():
@@ -47,7 +48,8 @@ def elsewhere(work: Callable[..., Found], count: int, *arguments: Sequence[Any])
             ) from error
         except BaseException:
             for process in active_children():  # futures that were cancelled would make the pool's own thread complain
-                process.kill()
+                if process.pid not in others:
+                    process.kill()
             raise
 
 

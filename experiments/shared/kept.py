@@ -29,6 +29,7 @@ from experiments.shared.experiment import try_place
 from experiments.shared.options import Options
 from experiments.shared.provenance import LIBRARIES, MAKES_NO_DIFFERENCE
 from models.files import raw
+from models.markup import look
 
 Array = np.ndarray[Any, Any]
 Found = TypeVar("Found")
@@ -97,7 +98,8 @@ def _kept(work: Callable[..., Found], folder: Path, program: str, *task: Any, **
     tree = np.frombuffer(json.dumps(_put(found, arrays, classes)).encode(), np.uint8)
     with _writing(folder), whole(path) as beside, beside.open("wb") as file:
         np.savez(file, tree, *arrays)
-    return found
+    again: Found = _take(json.loads(tree.tobytes()), arrays, classes)  # as whoever goes on is given it
+    return again
 
 
 @contextmanager
@@ -127,7 +129,7 @@ def _program() -> str:
 
 
 def _tell(update: Callable[[bytes], None], thing: Any) -> None:
-    """Everything that a task says, files that it names by what is in them."""
+    """Everything that a task says, files that it names, and that these name, by what is in them."""
     update(type(thing).__qualname__.encode())
     if isinstance(thing, np.ndarray) and thing.dtype != object:
         update(repr((thing.dtype.str, thing.shape)).encode() + np.ascontiguousarray(thing).tobytes())
@@ -140,14 +142,20 @@ def _tell(update: Callable[[bytes], None], thing: Any) -> None:
     elif isinstance(thing, partial):
         _tell(update, [thing.func, thing.args, thing.keywords])
     elif thing is None or isinstance(thing, bool | int | float | str | range | np.generic | Path):
-        there = isinstance(thing, str | Path) and len(str(thing)) < LONGEST_PATH and os.path.isfile(thing)
+        there = isinstance(thing, Path) or (isinstance(thing, str) and "." in thing)  # a bare word is no file
+        there = there and len(str(thing)) < LONGEST_PATH and os.path.isfile(str(thing))
         update(repr(thing.name if there and isinstance(thing, Path) else thing).encode())
-        if there:
-            update(hashlib.sha256(raw(Path(str(thing)), LARGEST)).digest())
+        for file in _files(Path(str(thing))) if there else ():
+            update(hashlib.sha256(raw(file, LARGEST)).digest())
     else:
         for part in _parts(thing):
             _tell(update, part)
     update(b";")
+
+
+def _files(path: Path) -> list[Path]:
+    """A file, and all that it names where it is a robot's."""
+    return [path, *(look(path).named if path.suffix.lower() in (".xml", ".mjcf", ".urdf") else ())]
 
 
 def _parts(thing: Any) -> Iterator[Any]:
@@ -187,7 +195,7 @@ def _put(thing: Any, arrays: list[Array], classes: Mapping[str, type]) -> Any:
     if thing is None or type(thing) in (bool, int, float, str):
         return thing
     if isinstance(thing, np.ndarray | np.generic):
-        arrays.append(np.asarray(thing))
+        arrays.append(np.array(thing, order="C"))
         return ["array" if isinstance(thing, np.ndarray) else "number", len(arrays)]
     if type(thing) in (list, tuple):
         return [type(thing).__name__, *(_put(one, arrays, classes) for one in thing)]

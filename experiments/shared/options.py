@@ -126,6 +126,11 @@ def obey(option: str, kind: Any, value: Any) -> None:
     """Hold a value to the rules in its type; None is held to none."""
     if isinstance(value, tuple) and len(value) > MOST_NAMES:
         raise ExperimentError(f"{option}: {len(value)} are named; at most {MOST_NAMES} are possible")
+    if isinstance(value, str | Path):
+        try:
+            str(value).encode()
+        except UnicodeEncodeError:
+            raise ExperimentError(f"{option} {value}: this name is not text here; choose a plainer one") from None
     for rule in getattr(kind, "__metadata__", ()):
         if callable(rule) and value is not None:
             rule(option, value)

@@ -1,6 +1,5 @@
 """Many tasks at once, each in a process of its own; which process does which makes no difference."""
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from typing import TypeVar
@@ -19,7 +18,6 @@ def in_parallel(work: Callable[[Task], Found], tasks: Sequence[Task], workers: i
     work = keeper(work)
     if workers <= 1:
         return _gathered(map(work, tasks), len(tasks), doing)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for them: threads of every worker would fight for the cores
     with closing(elsewhere(work, workers, tasks)) as found:
         return _gathered(found, len(tasks), doing)
 

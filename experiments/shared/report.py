@@ -59,7 +59,6 @@ def page(
     ]
     return _template().render(
         name=name,
-        title=command(name, config),
         line=EXPERIMENTS[name].line,
         command=command(name, config),
         summary=Markup(MarkdownIt("commonmark", {"html": False}).enable("table").render(summary)),

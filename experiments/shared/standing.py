@@ -1,4 +1,4 @@
-"""On one's own feet: the body that stands, how it learns balance, and how it imitates there."""
+"""On one's own feet: the body that stands, and how it imitates there."""
 
 import time
 from collections.abc import Callable, Sequence

@@ -1,5 +1,6 @@
 """A study that was killed goes on where it stopped, with the same results."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -38,7 +39,7 @@ from experiments.maze.study import _curve
 from experiments.notice.options import Config as Notice
 from experiments.objects.study import measured
 from experiments.shared.caregiver import lesson
-from experiments.shared.kept import keeping, once, studying
+from experiments.shared.kept import _tell, keeping, once, studying
 from experiments.shared.minds import learn_mind
 from experiments.shared.mirrors import look_into_mirror
 from experiments.shared.one_leg import learn_to_stand
@@ -93,12 +94,11 @@ def nothing_done() -> None:
 
 
 def same(one: Any, other: Any) -> bool:
-    """To the last bit, types and memory's order included."""
+    """To the last bit, types included."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray | np.generic):
-        alike = one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
-        return bool(alike and np.isfortran(one) == np.isfortran(other))
+        return bool(one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes())
     if isinstance(one, dict):
         return list(one) == list(other) and all(map(same, one.values(), other.values()))
     if isinstance(one, tuple | list):
@@ -308,3 +308,33 @@ def test_a_part_says_what_its_work_says(tmp_path: Path) -> None:
         assert in_parallel(give, [1, 2, 3], 1, "x") == [1, 2, 3]
         assert in_parallel(give, [3, 2, 4], 1, "x") == [3, 2, 4]
     assert DONE == [1, 2, 3, 4]
+
+
+def test_a_part_is_another_when_what_its_robot_names_is_another(tmp_path: Path) -> None:
+    """Included files and meshes count; a file that is called like a word does not."""
+
+    def told(*task: object) -> bytes:
+        said = bytearray()
+        _tell(said.extend, task)
+        return bytes(said)
+
+    (tmp_path / "inner.xml").write_text("<mujocoinclude/>")
+    (robot := tmp_path / "r.xml").write_text('<mujoco><include file="inner.xml"/></mujoco>')
+    before = told(str(robot), "map")
+    (tmp_path / "inner.xml").write_text("<mujocoinclude> </mujocoinclude>")
+    assert told(str(robot), "map") != before
+    with contextlib.chdir(tmp_path):
+        as_word = told("map")
+        Path("map").touch()
+        assert told("map") == as_word
+
+
+def test_what_comes_back_at_once_is_what_comes_back_later(tmp_path: Path) -> None:
+    """To the order of an array's numbers in memory, on which the last bits of a mean depend."""
+    with keeping(tmp_path / "parts", stays=True):
+        first, again = once(swapped), once(swapped)
+    assert first.strides == again.strides and first.mean((0, 1)).tobytes() == again.mean((0, 1)).tobytes()
+
+
+def swapped() -> np.ndarray:
+    return np.random.default_rng(0).random((40, 30, 20)).swapaxes(0, 2)

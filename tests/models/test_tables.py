@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from models.errors import BodyError
+from models.files import text
 from models.motion import JointTrajectory, read_motion
 from models.motion.checks import beyond, gaps
 from models.tables import table
@@ -276,3 +277,10 @@ def test_archives_know_milliseconds(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", time=np.arange(200) * 20, angles=np.zeros((200, 1)), joints=["hip"])
     with pytest.raises(BodyError, match="call the column time_ms"):
         read_motion(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_a_first_line_that_is_short_is_as_r_writes_it_whatever_ends_lines(end: str, tmp_path: Path) -> None:
+    (path := tmp_path / "r.csv").write_bytes(end.join(["a,b", "0,1,2", "1,3,4", ""]).encode())
+    found = table(text(path), path)
+    assert found.cells.tolist() == [["", "a", "b"], ["0", "1", "2"], ["1", "3", "4"]]

@@ -1,6 +1,7 @@
 """Strangers' bodies are tried apart: what kills, hangs, talks or costs there is one line here."""
 
 import os
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -201,3 +202,11 @@ def test_a_line_is_never_too_long() -> None:
     assert len(str(BodyError("x" * 5000))) <= 380
     assert str(BodyError("a\n\x1b b\ud800")) == "a ? b?"
     assert len(unknown("joint", "j" * 10**7, ["knee"])) > 10**7, "names are quoted whole, errors cut them"
+
+
+def test_comments_that_do_not_end_are_looked_at_once(tmp_path: Path) -> None:
+    """Half a second of processor time is a thousand times what it takes; a look for every one took minutes."""
+    (path := tmp_path / "x.xml").write_bytes(b"<mujoco>" + b"<!--" * 500_000)
+    started = time.process_time()
+    assert look(path).elements <= 1
+    assert time.process_time() - started < 0.5
