@@ -44,7 +44,7 @@ def last_words(error: BaseException) -> int:
     if isinstance(error, BrokenPipeError) or isinstance(error.__context__, BrokenPipeError):  # rich makes an exit of it
         return 141
     if isinstance(error, OSError):
-        what = f"{error.filename or 'standard output, or a file'}: cannot be read or"
+        what = f"{error.filename}: cannot be read or" if error.filename else "standard output, or a file: cannot be"
         stopping.say(f"{what} written ({error.strerror or error}); what was written before stands")
         return 2
     raise error

@@ -125,8 +125,13 @@ def test_many_signals_are_one(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "shell", "status", "line"),
     [
-        ("list", "> /dev/full", 2, "imitate: standard output: cannot be written (No space left on device)"),
-        ("gesture --help", "> /dev/full", 2, "imitate: standard output: cannot be written (No space left on device)"),
+        ("list", "> /dev/full", 2, "imitate: standard output, or a file: cannot be written (No space left on device)"),
+        (
+            "gesture --help",
+            "> /dev/full",
+            2,
+            "imitate: standard output, or a file: cannot be written (No space left on device)",
+        ),
         ("gesture --help", "| true", 141, ""),
         ("list", ">&-", 0, ""),
         ("nonsense", "2>&-", 2, ""),
