@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
@@ -19,6 +19,9 @@ from imitation.acting.movement import slowed
 from models.body import SimulatedBody
 from models.mirror import Mirror
 from models.teachers.performance import unit
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Performed:
         return found
 
     @cached_property
-    def trajectories(self) -> xr.Dataset:
+    def trajectories(self) -> "xr.Dataset":
         """Labelled arrays; see `experiments.shared.trajectories`."""
         shown = {
             "demonstrated": (self.seen.angles, "sub-goals: the demonstration in the imitator's own joints"),

@@ -1,9 +1,9 @@
 """What one run of `imitate gesture --stand` produced, for its figures and its recording."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.balance import Balance
@@ -16,6 +16,9 @@ from experiments.shared.watching import Seen
 from imitation.acting.balancing import Balancer
 from imitation.acting.loop import through_time
 from models.standing import StandingBody
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def touches(done: Performance, copy: int, during: slice, judge: StandingBody) -> tuple[BoolArray, BoolArray]:
@@ -65,7 +68,7 @@ class Stands:
         return f"{self.config.demonstration} by {self.config.robot} on its feet, seed {self.config.seed}"
 
     @property
-    def trajectories(self) -> xr.Dataset:
+    def trajectories(self) -> "xr.Dataset":
         """Labelled arrays; see `experiments.shared.trajectories`."""
         said = {"linear": "with the line of the same experience", "replay": "where the sub-goals are simply sent"}
         shown = {"demonstrated": (self.wanted, "sub-goals: the demonstration in the imitator's own joints")} | {

@@ -1,9 +1,8 @@
 """Head movements as they were shown, watched and imitated."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from babbling.axes import BoolArray, FloatArray
 from babbling.mind import Mind
@@ -14,6 +13,9 @@ from experiments.shared.trajectories import TRIES, Track, labelled
 from imitation.seeing.pose import Appearance, Watched
 from models.biclops.movements import TICK_S
 from models.retina import Image
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class Imitation(NamedTuple):
@@ -45,7 +47,7 @@ class Found(NamedTuple):
     crossed: Crossed | None
     """What look-alikes did, if there were any."""
 
-    def trajectories(self) -> xr.Dataset:
+    def trajectories(self) -> "xr.Dataset":
         """The first sequence as labelled arrays; see `experiments.shared.trajectories`."""
         one = self.sequences[0]
         told = {

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest, norm, t
 
 from babbling.axes import BoolArray, FloatArray, IntArray
 
@@ -40,6 +39,8 @@ def ringing(error: FloatArray) -> FloatArray:
 
 def interval_95(hits: int, count: int) -> tuple[float, float]:
     """Exact 95 % interval of a share (Clopper and Pearson 1934)."""
+    from scipy.stats import binomtest  # takes half a second to load
+
     found = binomtest(hits, count).proportion_ci(0.95, "exact")
     return float(found.low), float(found.high)
 
@@ -76,6 +77,8 @@ def constant_confidence(probability: FloatArray, target: IntArray) -> FloatArray
 
 def over_learners(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean of (S, ...) values over S learners, and half of its 95 % interval by Student's t."""
+    from scipy.stats import t  # takes half a second to load
+
     half = t.ppf(0.975, len(values) - 1) * values.std(0, ddof=1) / np.sqrt(len(values))
     return values.mean(0), half
 
@@ -112,6 +115,8 @@ def difference(one: tuple[int, int], other: tuple[int, int]) -> tuple[float, flo
 
 def alike(one: tuple[int, int], other: tuple[int, int], margin: float) -> float:
     """p of two shares (hits, count) being further apart than `margin`: two one-sided tests (Schuirmann 1987)."""
+    from scipy.stats import norm  # takes half a second to load
+
     gap, error = difference(one, other)
     return float(max(norm.sf((gap + margin) / error), norm.cdf((gap - margin) / error)))
 

@@ -7,15 +7,17 @@ weighed). Joints are shown in the units of people, each joint's own in the coord
 import io
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from babbling.axes import FloatArray, IntArray
 from babbling.files import FORMAT, sealed
 from models.body import SimulatedBody
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PEOPLES = {"rad": ("degree", 180 / np.pi), "m": ("mm", 1e3)}
 """Unit of a joint -> the one that people are shown, and how many of it that is."""
@@ -37,12 +39,14 @@ def peoples(body: SimulatedBody) -> tuple[tuple[str, ...], FloatArray]:
 
 def labelled(
     joints: Sequence[str], units: Sequence[str], tick_s: float, tracks: Mapping[str, Track], **notes: Any
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Tracks by name, their joints and times as coordinates; `notes` become the attributes of the whole."""
     arrays = {
         name: (dims, values, {"long_name": about} | ({"units": unit} if unit else {}))
         for name, (dims, values, unit, about) in tracks.items()
     }
+    import xarray as xr  # takes a second to load
+
     found = xr.Dataset(arrays, attrs={"format": KIND, "Conventions": "CF-1.11", **notes})
     coordinates = {
         "time": ("time", np.arange(found.sizes["time"]) * tick_s, {"units": "s", "long_name": "since it began"}),
@@ -59,7 +63,7 @@ def trajectories(
     shown: Mapping[str, tuple[FloatArray, str]],
     attempts: Sequence[tuple[FloatArray, Mapping[str, NDArray[Any]]]],
     **notes: Any,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """A movement, and how it was imitated.
 
     Args:
@@ -113,13 +117,13 @@ def trajectories(
     return labelled(body.joints, units, body.tick_s, tracks, **notes)
 
 
-def left(found: xr.Dataset, *, csv: bool) -> dict[str, Callable[[Path], None]]:
+def left(found: "xr.Dataset", *, csv: bool) -> dict[str, Callable[[Path], None]]:
     """Files of a result: name -> writer."""
     files: dict[str, Callable[[Path], None]] = {"trajectories.nc": lambda path: write(found, path)}
     return files | ({"trajectories.csv": lambda path: tidy(found, path)} if csv else {})
 
 
-def write(found: xr.Dataset, path: Path) -> None:
+def write(found: "xr.Dataset", path: Path) -> None:
     """NetCDF-4, packed; text as letters, which every reader knows."""
     packed = {name: {"zlib": True, "complevel": 4, "shuffle": True} for name in found.data_vars}
     text: dict[Any, Any] = {name: {"dtype": "S1"} for name in ("joint", "unit")}
@@ -128,7 +132,7 @@ def write(found: xr.Dataset, path: Path) -> None:
     path.write_bytes(sealed(content.getbuffer()))
 
 
-def tidy(found: xr.Dataset, path: Path) -> None:
+def tidy(found: "xr.Dataset", path: Path) -> None:
     """A row for every attempt, time and joint; all but what has candidates."""
     table = found.drop_dims("candidate", errors="ignore")
     table.to_dataframe(dim_order=[*TRIES]).to_csv(path, float_format="%.6g")
