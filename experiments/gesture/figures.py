@@ -55,27 +55,30 @@ def imitation(done: Performed, metrics: Mapping[str, Any]) -> Figure:
 
 def by_joint(axes: Axes, done: Performed) -> None:
     """Root mean square error of each joint, the worst of them on top."""
-    scale, wanted = done.body.shown_scale, done.seen.angles
     whose = {"direct replay": (done.replayed, PLAIN, "s"), "a line, same loop": (done.peer.truth[:, 0], DARK, "|")}
     whose["imitated"] = (done.imitated, OURS, "o")
-    errors = {who: np.sqrt(np.mean((scale * (angles - wanted)) ** 2, 0)) for who, (angles, _, _) in whose.items()}
+    errors = {who: np.sqrt(np.mean(done.away(angles) ** 2, 0)) for who, (angles, _, _) in whose.items()}
     order = np.argsort(errors["imitated"])
     rows = np.arange(len(order))
     axes.hlines(rows, errors["imitated"][order], errors["direct replay"][order], color="#cccccc", lw=1.5, zorder=0)
     for who, (_, ink, mark) in whose.items():
         axes.scatter(errors[who][order], rows, color=ink, marker=mark, s=26, label=who)
     axes.set_yticks(rows, [done.body.joints[j].replace("_", " ") for j in order], fontsize=7)
-    axes.set(xscale="log", xlabel=f"root mean square error [{_units(done)}]", ylim=(-1, len(rows)))
+    axes.set(
+        xscale="log",
+        xlabel=f"root mean square error [{' or '.join(sorted({*done.body.shown_units}))}]",
+        ylim=(-1, len(rows)),
+    )
     axes.grid(alpha=0.25, axis="x")
     axes.legend(frameon=False, fontsize=8, loc="lower right")
 
 
 def through_time(axes: Axes, done: Performed) -> None:
-    """Root mean square over joints at every tick; the band is from the least to the greatest of all attempts."""
-    time, scale = np.arange(len(done.seen.angles)) * done.body.tick_s, done.body.shown_scale
+    """Root mean square over joints of one unit at every tick; the band is from the least to the greatest attempt."""
+    time, alike = np.arange(len(done.seen.angles)) * done.body.tick_s, done.joints_in(done.usual)
 
     def away(angles: FloatArray) -> FloatArray:
-        return np.asarray(np.sqrt(np.mean((scale * (angles - done.seen.angles[: len(angles)])) ** 2, 1)))
+        return np.asarray(np.sqrt(np.mean(done.away(angles)[:, alike] ** 2, 1)))
 
     axes.plot(time, away(done.replayed), color=PLAIN, lw=1.2, label="direct replay")
     axes.plot(time, away(done.peer.truth[:, 0]), color=DARK, lw=1, ls=":", label="a line, same loop")
@@ -85,7 +88,7 @@ def through_time(axes: Axes, done: Performed) -> None:
         axes.fill_between(time, whole.min(0), whole.max(0), color=OURS, alpha=0.25, lw=0, label="all attempts")
     axes.plot(time[: len(tries[-1])], tries[-1], color=OURS, lw=1.4, label=f"imitated, attempt {len(tries)}")
     axes.set_ylim(None, 5 * away(done.replayed).max())  # room for what lines are called
-    axes.set(yscale="log", xlabel="time [s]", ylabel=f"error of all joints, root mean square [{_units(done)}]")
+    axes.set(yscale="log", xlabel="time [s]", ylabel=f"error of all joints, root mean square [{done.usual}]")
     axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
 
@@ -115,17 +118,17 @@ def ringing(done: Performed) -> Figure:
     """Amplitude spectrum of every joint's error: what shakes stands out on the right."""
     figure = Figure(figsize=(8, 4.4), layout="constrained")
     axes = figure.subplots()
-    count, scale = len(done.imitated), done.body.shown_scale
+    count, alike = len(done.imitated), done.joints_in(done.usual)
     window = np.hanning(count)[:, None]
     hertz = np.fft.rfftfreq(count, done.body.tick_s)
     for who, angles, ink in (("direct replay", done.replayed, PLAIN), ("imitated", done.imitated, OURS)):
-        error = scale * (angles - done.seen.angles[: len(angles)])
+        error = done.away(angles)[:, alike]
         height = 2 * np.abs(np.fft.rfft((error - error.mean(0)) * window, axis=0)) / window.sum()
         axes.plot(hertz[1:], np.median(height, 1)[1:], color=ink, lw=1.2, label=f"{who}, median of joints")
         axes.plot(
             hertz[1:], height.max(1)[1:], color=ink, lw=0.9, ls=":", label=f"{who}, worst joint at each frequency"
         )
-    axes.set(xlabel="frequency [Hz]", ylabel=f"amplitude of the error [{_units(done)}]", yscale="log")
+    axes.set(xlabel="frequency [Hz]", ylabel=f"amplitude of the error [{done.usual}]", yscale="log")
     axes.set_title(f"{done.title}: does it shake?")
     axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=8, loc="upper right")
@@ -201,10 +204,6 @@ def _served(done: Performed, joint: int) -> FloatArray:
     count = len(done.attempts[-1].commands)
     ahead = np.minimum(np.arange(count) + 1, len(done.seen.angles) - 1)
     return np.asarray(done.seen.angles[ahead, joint])
-
-
-def _units(done: Performed) -> str:
-    return " or ".join(sorted({*done.body.shown_units}))
 
 
 @captioned(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from babbling.axes import FloatArray, IntArray
+from babbling.axes import BoolArray, FloatArray, IntArray
 from babbling.mirroring import angles_between
 from experiments.gesture.options import Config
 from experiments.shared.minds import Learned, factors_of
@@ -41,6 +41,19 @@ class Performed:
     def imitated(self) -> FloatArray:
         """(T, J) true joint angles of the last attempt."""
         return self.attempts[-1].truth[:, 0]
+
+    def away(self, angles: FloatArray) -> FloatArray:
+        """(t, J) how far (t, J) joint angles are from the sub-goals, each joint in what people read."""
+        return np.asarray(self.body.shown_scale * (angles - self.seen.angles[: len(angles)]))
+
+    def joints_in(self, unit: str) -> BoolArray:
+        """(J,) which joints people read in this unit."""
+        return np.array([own == unit for own in self.body.shown_units])
+
+    @property
+    def usual(self) -> str:
+        """The unit in which several joints are shown as one: never hinges beside slides."""
+        return "deg" if "deg" in self.body.shown_units else self.body.shown_units[0]
 
     @cached_property
     def limb_errors_deg(self) -> dict[str, FloatArray]:

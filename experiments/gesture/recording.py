@@ -99,8 +99,7 @@ def _log_joints(stream: rr.RecordingStream, done: Performed) -> None:
     runs += [("replayed", done.replayed, REPLAYED), ("imitated", done.imitated, IMITATED)]
     for name, values, colour in runs:
         for unit in sorted({*units}):
-            own = np.array(units) == unit
-            away = (done.body.shown_scale * (values - done.seen.angles[: len(values)]))[:, own]
+            away = done.away(values)[:, done.joints_in(unit)]
             said = name if len({*units}) == 1 else f"{name}, {'joints' if unit == 'deg' else 'slides'} [{unit}]"
             log_series(stream, f"error/{unit}/{name}", np.sqrt(np.mean(away**2, axis=1)), tick, said, colour)
     shown = {

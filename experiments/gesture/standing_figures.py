@@ -109,7 +109,7 @@ def falls(metrics: Mapping[str, Any]) -> Figure:
             "share": [n / runs[speed] for speed, n in by_speed.items()],
             "interval": [interval_95(n, runs[speed]) for speed, n in by_speed.items()],
         }
-    return rates({"": curves}, ("times as fast", "share of runs that fell"), caption="Falls, twenty individuals a cell")
+    return rates({"": curves}, ("times as fast", "share of runs that fell"), title="Falls, twenty individuals a cell")
 
 
 @captioned(

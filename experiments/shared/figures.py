@@ -67,7 +67,7 @@ def rates(
     panels: Rates,
     labels: tuple[str, str],
     level: tuple[str, float] | None = None,
-    caption: str = "",
+    title: str = "",
     *,
     log: bool = False,
     line: str = "-",
@@ -76,7 +76,7 @@ def rates(
     figure = Figure(figsize=(3.6 * max(len(panels), 2.5) + 0.6, 5.0), layout="constrained")
     row = figure.subplots(1, len(panels), sharey=True, sharex=log, squeeze=False)[0]
     style, drawn = dict[str, tuple[str, str]](), dict[str, Any]()
-    for axes, (title, lines) in zip(row, panels.items(), strict=True):
+    for axes, (panel, lines) in zip(row, panels.items(), strict=True):
         for method, curve in lines.items():
             at, share, interval = (*curve.values(), None)[:3]
             style.setdefault(method, (CYCLE[len(style) % len(CYCLE)], MARKS[len(style) % len(MARKS)]))
@@ -87,26 +87,26 @@ def rates(
         if level is not None:
             drawn[level[0]] = axes.axhline(level[1], color="black", lw=0.9, ls="--")
         axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
-        axes.set_title(title, loc="left", fontsize=11)
+        axes.set_title(panel, loc="left", fontsize=11)
         axes.grid(alpha=0.25)
     if log:
         row[0].set_xscale("symlog", linthresh=25, linscale=0.4)
         row[0].set_xlim(-4, None)
     row[0].set_ylabel(labels[1])
-    figure.suptitle(caption, fontsize=11)
+    figure.suptitle(title, fontsize=11)
     figure.legend([*drawn.values()], [*drawn], loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     return figure
 
 
-def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, caption: str) -> Figure:
+def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, title: str) -> Figure:
     """Panels side by side, by title: how often every rule was right, means and 95 % intervals over learners."""
     drawn, learners = {}, len(next(iter(panels.values())).right)
-    for title, sweep in panels.items():
+    for panel, sweep in panels.items():
         mean, half = over_learners(sweep.right)
         curves = zip(sweep.rules, mean, np.stack([mean - half, mean + half], -1), strict=True)
         at = [f"{x:g}" for x in sweep.at]
-        drawn[title] = {rule: {"at": at, "share": share, "interval": ends} for rule, share, ends in curves}
-    figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), ("chance", chance), caption)
+        drawn[panel] = {rule: {"at": at, "share": share, "interval": ends} for rule, share, ends in curves}
+    figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), ("chance", chance), title)
     for axes, sweep in zip(figure.axes, panels.values(), strict=True):
         axes.set_xlabel(sweep.label)
     return figure

@@ -1,11 +1,15 @@
 """Errors of joints: hinges in degrees, slides in millimetres, each by itself."""
 
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+from experiments.gesture.figures import through_time
+from experiments.gesture.found import Performed
 from experiments.gesture.joints import ROWS, joint_metrics, joint_rows
 from experiments.shared.judging import ringing, rmse, rmse_deg
 
@@ -51,6 +55,22 @@ def test_hinges_and_slides_are_told_apart() -> None:
         rows["worst joint (j2)"] == f"{np.rad2deg(0.02):.4f} deg" and rows["worst joint (j3) (slides)"] == "4.0000 mm"
     )
     assert len(rows) == 2 * len(ROWS)
+
+
+@pytest.mark.parametrize(("units", "unit", "alike"), [(("rad", "m", "rad"), "deg", [0, 2]), (("m", "m"), "mm", [0, 1])])
+def test_joints_drawn_as_one_line_have_one_unit(units: tuple[str, ...], unit: str, alike: list[int]) -> None:
+    off = np.array([0.01, 0.5, -0.02])[: len(units)]
+    one = done(units, off)
+    scale = np.array([{"rad": 180 / np.pi, "m": 1e3}[own] for own in units])
+    one.body.shown_scale, one.body.shown_units = scale, tuple({"rad": "deg", "m": "mm"}[own] for own in units)
+    one.body.tick_s, one.usual = 0.02, Performed.usual.fget(one)  # type: ignore[attr-defined]
+    one.away, one.joints_in = partial(Performed.away, one), partial(Performed.joints_in, one)
+    assert one.usual == unit and np.flatnonzero(one.joints_in(unit)).tolist() == alike
+    np.testing.assert_allclose(one.away(one.imitated[:50]), np.tile(scale * off, (50, 1)), atol=1e-9)
+    through_time(axes := Figure().subplots(), one)
+    drawn = {line.get_label(): np.asarray(line.get_ydata()) for line in axes.lines}
+    np.testing.assert_allclose(drawn["imitated, attempt 2"], np.sqrt(np.mean((scale * off)[alike] ** 2)))
+    assert axes.get_ylabel().endswith(f"[{unit}]")
 
 
 def test_where_there_are_no_slides_or_no_hinges_nothing_is_made_up() -> None:
