@@ -1,0 +1,1 @@
+"""The battery: every stage, one growing mind, populations beside infants."""
