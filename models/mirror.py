@@ -38,8 +38,15 @@ class Mirror:
         if TORSO not in bodies:
             raise BodyError(f"{body.name}: directions are seen from a torso, and no body of it is called {TORSO!r}")
         self._torso = bodies[TORSO]
-        self._carriers = [int(body.model.joint(limbs[part].joint).bodyid[0]) for part in self.parts]
+        self._carriers = [self._carrier(int(body.model.joint(limbs[part].joint).bodyid[0])) for part in self.parts]
         self._axes = np.array([limbs[part].axis for part in self.parts], dtype=float)
+
+    def _carrier(self, moved: int) -> int:
+        """The body that a joint moves, as the torso sees it: of one that is held by its pelvis, what holds the torso."""
+        above, model = self._torso, self._body.model
+        while above and above != moved:
+            above = int(model.body_parentid[above])
+        return int(model.body_parentid[moved]) if above else moved
 
     def look(self) -> FloatArray:
         """(B, P, 3) unit vectors of all parts of all copies as they stand now, with noise."""
