@@ -48,7 +48,7 @@ def act_study(pupil: Pupil, count: int, tries: int, seed: int) -> Acts:
     truth, said, errors, least = [], [], [], []
     reach = _Reach(pupil, mirror, np.random.default_rng([seed, 20]))
     for number in range(count):
-        part, shown = _act(image.parts, number, rng)
+        part, shown = act(image.parts, number, rng)
         organ = identify(image.organs, pupil.look(shown, rng), pupil.body.tick_s)
         truth.append(part)
         said.append(organ.part)
@@ -88,7 +88,7 @@ class _Reach:
         )
 
 
-def _act(
+def act(
     parts: Sequence[str], number: int, rng: np.random.Generator, share: float = 1.0, others: int = 0
 ) -> tuple[int, FloatArray]:
     """Robots take turns: the number of a random part and the (T, P, 3) directions of its act, NaN where a robot lacks a
@@ -143,7 +143,7 @@ def _answers(organs: Organs, name: str, count: int, tick_s: float, seed: int) ->
     for g, grade in enumerate(grades):
         hard = Hard()._replace(**{name: grade})
         for number in range(count):
-            part, shown = _act(organs.parts, number, rng, hard.share, int(hard.others))
+            part, shown = act(organs.parts, number, rng, hard.share, int(hard.others))
             right[:, g] += part == put_to_parts(organs, seen_hard(shown, organs.parts, hard, rng), tick_s)
     return right
 

@@ -49,6 +49,8 @@ class How:
     """Pseudo-counts of what becomes of a kind of thing whatever one does; None: as in play."""
     even_goals: bool = False
     """Whether all goals that ever came about are wanted alike."""
+    exponent: float = 1.0
+    """Matching draws in proportion to posterior^exponent: 1 is probability matching, 0 chance."""
 
 
 class Belief(NamedTuple):
@@ -68,6 +70,15 @@ class Did(NamedTuple):
     primitives: IntArray
     states: IntArray
     goals: IntArray
+
+
+def sharpened(weights: FloatArray, exponent: float) -> FloatArray:
+    """(..., N) weights^exponent, of sum 1; what has no weight gets none."""
+    powered = weights
+    if exponent != 1:
+        powered = np.where(weights > 0, weights / weights.max(-1, keepdims=True), 0.0)
+        powered = np.where(powered > 0, np.where(powered > 0, powered, 1.0) ** exponent, 0.0)
+    return np.asarray(powered / powered.sum(-1, keepdims=True))
 
 
 class Agent:
@@ -175,7 +186,7 @@ class Agent:
     def _drawn(self, weights: FloatArray, rng: np.random.Generator) -> int:
         if self.how.selection == "map":
             return int(rng.choice(np.flatnonzero(weights == weights.max())))
-        return int(rng.choice(len(weights), p=weights / weights.sum()))
+        return int(rng.choice(len(weights), p=sharpened(weights, self.how.exponent)))
 
     @cached_property
     def nothing_seen(self) -> Belief:

@@ -53,7 +53,10 @@ class Trials:
         return np.flatnonzero(found)
 
 
-def trials(child: Child, toy: str, shown: str, target: str, first: int, *, busy: bool = False) -> Trials:
+def trials(
+    child: Child, toy: str, shown: str, target: str, first: int, *, busy: bool = False,
+    each: int = TRIALS, means: int = MEANS, careless: int = CARELESS,
+) -> Trials:  # fmt: skip
     """Every primitive, aimed as play taught, most often those by which the target is reached, and carelessly the one
     that is to be shown; with bound hands nothing but that one is needed.
 
@@ -64,14 +67,17 @@ def trials(child: Child, toy: str, shown: str, target: str, first: int, *, busy:
         target: name of the state that it is for.
         first: number of the first specimen.
         busy: whether its hands are bound.
+        each: tries of every primitive.
+        means: more of those that Eq. (1) would choose for the target.
+        careless: of the act that is to be shown, aimed anywhere.
     """
     able, play = possible(TOYS[toy].alone), child.play
     kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([first, 0x7122])
     free = HANDS.index("free")
     likely = play.outcomes.predictive[0, kind, free, able, STATES.index(target)]
-    means = action_posterior(likely, play.outcomes.habits[0, kind, free, able]).probability
-    skilled = np.concatenate([np.repeat(able, TRIALS), rng.choice(able, MEANS, p=means)]) if not busy else able[:0]
-    which = np.concatenate([skilled, np.full(CARELESS, NAMES.index(shown))])
+    likely = action_posterior(likely, play.outcomes.habits[0, kind, free, able]).probability
+    skilled = np.concatenate([np.repeat(able, each), rng.choice(able, means, p=likely)]) if not busy else able[:0]
+    which = np.concatenate([skilled, np.full(careless, NAMES.index(shown))])
     return done(child, toy, which, np.arange(len(which)) >= len(skilled), first, busy=busy)[0]
 
 

@@ -19,6 +19,7 @@ from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, rehearse
+from imitation.inference.moving import CANDIDATES
 from models.body import SimulatedBody
 from models.loading import load_body
 from models.units import SHOWN
@@ -110,7 +111,12 @@ class HeldOut:
 
 
 def learn_mind(
-    options: BodyOptions, minutes: float, report: Callable[[float], None], *, checkpoint: Path | None = None
+    options: BodyOptions,
+    minutes: float,
+    report: Callable[[float], None],
+    *,
+    checkpoint: Path | None = None,
+    candidates: int = CANDIDATES,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 
@@ -120,6 +126,7 @@ def learn_mind(
         report: progress, 0 to 1.
         checkpoint: where to keep what was learned so far, every `EVERY_S`; an interrupted babble goes on from there and
             ends with the same mind and numbers, wall times apart.
+        candidates: see `rehearse`.
     """
     copies = copies_for(minutes)
     body = body_of(options, copies)
@@ -168,7 +175,7 @@ def learn_mind(
     if not held_out.points:  # the pilot is all there is
         held_out.note(0.0, model)
     rehearsers = body_of(options, REHEARSERS, stream=1)
-    mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing)
+    mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)
     report(1.0)
     ticks, curve = sum(plan), held_out.curve()
     metrics = {

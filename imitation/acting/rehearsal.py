@@ -17,7 +17,7 @@ from babbling.exploration import smooth
 from babbling.mind import Mind, Temper
 from imitation.acting.loop import imitate
 from imitation.acting.movement import Movement, together
-from imitation.inference.moving import AveragedInverse, MovingInverse
+from imitation.inference.moving import CANDIDATES, AveragedInverse, MovingInverse
 
 EAGERNESS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Candidates, one per copy of the body, the calmest first."""
@@ -71,6 +71,7 @@ def rehearse(
     seed: int,
     known: Sequence[FloatArray] = (),
     after: Callable[[FloatArray], object] = lambda errors: None,
+    candidates: int = CANDIDATES,
 ) -> Mind:
     """The same mind with a temper of its own.
 
@@ -80,6 +81,7 @@ def rehearse(
         seed: randomness of the made-up movement.
         known: (E, F) `felt_errors` that are known from before, one for each temper that is tried.
         after: is told each that is found anew.
+        candidates: actions that Eq. (1) weighs for every joint.
     """
     temper, felt = mind.temper, np.full(len(mind.temper.trust), np.inf)
     tempers: list[tuple[FloatArray | float, FloatArray | float]] = [(temper.trust, temper.simple), *OTHERWISE]
@@ -88,7 +90,7 @@ def rehearse(
         if number < len(known):
             errors = known[number]
         else:
-            errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other)), seed)
+            errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other), candidates=candidates), seed)
             after(errors)
         chosen = calmest(errors)
         best = errors[chosen, np.arange(len(chosen))]

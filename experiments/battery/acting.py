@@ -1,0 +1,97 @@
+"""Stages three and four: acts on objects that were seen once, and what somebody meant to do."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.play import HANDS
+from experiments.battery.life import Adult, Grown, Life, unplayed
+from experiments.battery.parameters import Parameters
+from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
+from experiments.intentions.agents import Agent, How, sharpened
+from experiments.intentions.options import CONDITIONS
+from experiments.intentions.showing import SHOWS, likeness, looked_at
+from experiments.intentions.study import ADULT_ACTS, USUAL, Population, each_answers
+from experiments.objects.deciding import UNSEEN, remembered, respond
+from experiments.objects.showing import watched
+from imitation.acting.primitives import NAMES
+from imitation.inference.bayes import action_posterior
+from models.objects.states import LIT_BY_HEAD
+
+VIEWS = {"live": 0, "a week before": 7, "another room": 1, "television": 1, "nothing": 0, "handled": 0}
+"""How a head touch was seen, and how many days before."""
+MOVERS: tuple[str, ...] = ("person", "poles and pincers")
+"""Bodies that show intentions."""
+TOUCH = "press with the head"
+
+
+def acting(who: Grown, lives: Sequence[Life], adult: Adult) -> Iterator[Trial]:
+    """All rows of these stages, of lives that began as this one; those who never played among them."""
+    for without, one in ((WHOLE, who), ("play", unplayed(who))):
+        for life in lives:
+            yield from _touches(without, replace(one, life=life), adult)
+            yield from _intentions(without, replace(one, life=life), adult)
+
+
+def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
+    """A light panel that somebody lit with the forehead (Meltzoff 1988)."""
+    life, play, rng = who.life, who.child.play, who.life.rng(6)
+    goals = list[int]()
+    for view, days in VIEWS.items():
+        act = adult.touches.get({"another room": "room"}.get(view, view), adult.touches["live"])
+        one = act.only(rng.integers(0, len(act.rows), 1))
+        how = {"another room": "room", "television": "television"}.get(view, "live")
+        [memory] = remembered(play, "panel", watched(one, how, rng))
+        gone = view == "nothing" or rng.random() < 1 - (1 - life.how.forgets) ** days
+        goals.append(UNSEEN if gone else int(memory.states[-1]))
+    kind, free = play.kinds.index("panel"), HANDS.index("free")
+    likely = [
+        np.ones(len(NAMES)) if goal == UNSEEN else play.outcomes.predictive[0, kind, free, :, goal] for goal in goals
+    ]
+    priors = [play.liking[kind, free] if goal == UNSEEN else play.outcomes.habits[0, kind, free] for goal in goals]
+    weights = np.stack([chances(*pair, life.how) for pair in zip(likely, priors, strict=True)])
+    done = respond(who.child, "panel", np.array(goals), life.how.acts, "matching", rng, first=100 * life.agent,
+                   otherwise=weights)  # fmt: skip
+    for number, view in enumerate(VIEWS):
+        first = NAMES[done.primitives[number, 0]]
+        lit = float(done.ever(LIT_BY_HEAD)[number])
+        yield Trial(
+            life.agent, life.seed, without, IMITATOR, 3, "head touch", view, 0, first, TOUCH, lit,
+            options=joined(NAMES), likelihood=joined(likely[number]), prior=joined(priors[number]),
+        )  # fmt: skip
+
+
+def chances(likelihood: FloatArray, prior: FloatArray, how: Parameters) -> FloatArray:
+    """(A,) P(choice) by Eq. (1): proportional to (likelihood prior^trust)^exponent; the prior alone where no action is
+    known to lead there."""
+    habit = sharpened(prior, how.trust)
+    posterior = action_posterior(likelihood, habit)
+    return sharpened(posterior.probability if posterior.informed else habit, how.exponent)
+
+
+def _intentions(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
+    """What was meant, and what is then done (Meltzoff 1995; Gergely et al. 2002; Carpenter et al. 1998)."""
+    life, child, rng = who.life, who.child, who.life.rng(7)
+    things = [thing for thing in adult.tries if ":" not in thing]
+    how = How(**{name: getattr(life.how, name) for name in vars(How()) if hasattr(life.how, name)})
+    looks = {thing: looked_at(child.play, tries, rng) for thing, tries in adult.tries.items()}
+    outline = looks["dumbbell"].trials.outline[:ADULT_ACTS]
+    bodies = {body: likeness(who.hands, outline, body, rng) for body in MOVERS}
+    task = Population(child, child, life.agent, who.own, adult.tries, 1, {USUAL: how}, life.seed)
+    agent = Agent(child.play, how)
+    for condition, toys in CONDITIONS.items():
+        for toy in (toy for toy in toys if toy in things):
+            found = each_answers(task, looks, bodies, condition, toy, [agent])
+            if found is None:  # no try of the adult's was such a one
+                continue
+            meant = f"{toy} {SHOWS[toy].target}"
+            rows = [(IMITATOR, NAMES[int(found.first[0])], found.ours)]
+            if without == WHOLE:
+                rows += [("repeats the movement", "", found.mimic), ("wants the end seen", "", found.emulate)]
+            for peer, first, came in rows:
+                yield Trial(
+                    life.agent, life.seed, without, peer, 4, "intention", condition.replace("_", " "),
+                    toys.index(toy), first, meant, float(came[0]),
+                )  # fmt: skip

@@ -1,0 +1,61 @@
+"""Newborns' faces: they babble in the dark, see an adult's act, and do what they think was done."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from babbling.axes import IntArray
+from experiments.battery.life import Life
+from experiments.battery.table import IMITATOR, WHOLE, Trial
+from experiments.face.answering import answered
+from experiments.face.infants import Group, Infant, raised
+from experiments.face.theories import GESTURES, SAID
+from experiments.face.watching import VIEWS, Look, Looking, watched
+from models.face import FACES
+
+EACH, VIEWED = 2, 2
+"""Acts of every kind from each of so many views, which all infants draw their looks from."""
+TRIES = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Ward:
+    """Newborns whose bodies are stepped side by side, and what there is to be seen."""
+
+    lives: tuple[Life, ...]
+    bank: tuple[Look, ...]
+
+
+def looks(seed: int) -> list[Looking]:
+    """At an adult's face, from near and far."""
+    return [
+        Looking("usual", face, view, EACH, 100 * seed + n) for n, (face, view) in enumerate(VIEWS["usual"][:VIEWED])
+    ]
+
+
+def bank(looking: Looking) -> list[Look]:
+    """Those in which something is done."""
+    return [look for look in watched(looking) if look.shown.gesture < len(GESTURES)]
+
+
+def faces(ward: Ward) -> list[Trial]:
+    """Every infant is shown every gesture, strong and weak, once."""
+    first = ward.lives[0]
+    group = Group(FACES["newborn"], 3000 + first.agent, len(ward.lives), first.how.face_acts, first.seed)
+    infants = raised(group)
+    kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
+    of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]
+    mine = [[some[int(n)] for some, n in zip(of, life.rng(5).integers(0, EACH * VIEWED, len(of)), strict=True)]
+            for life in ward.lives]  # fmt: skip
+    answers, _ = answered(group, infants, mine, TRIES)
+    return [row for n, life in enumerate(ward.lives) for row in _rows(life, infants[n], mine[n], answers.labels[n])]
+
+
+def _rows(life: Life, infant: Infant, seen: Sequence[Look], labels: IntArray) -> Iterator[Trial]:
+    for look, tried in zip(seen, labels, strict=True):
+        name, how = GESTURES[look.shown.gesture], "strong" if look.shown.strong else "weak"
+        for number, label in enumerate(tried.tolist()):
+            yield Trial(life.agent, life.seed, WHOLE, IMITATOR, 2, "face", f"{name}, {how}", number, SAID[label], name,
+                        float(SAID[label] == name))  # fmt: skip
+    for number, label in enumerate(infant.habit[: 2 * TRIES].tolist()):  # what it does where nothing was shown
+        yield Trial(life.agent, life.seed, WHOLE, IMITATOR, 2, "face", "nothing shown", number, SAID[label],
+                    "tongue out", float(SAID[label] == "tongue out"))  # fmt: skip

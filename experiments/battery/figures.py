@@ -1,0 +1,186 @@
+"""Figures of a battery: agents beside infants, what was left out, what was varied."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from experiments.battery.beside import Row
+from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, SAME, populations
+from experiments.battery.found import Battery
+from experiments.battery.infants import Rate, Sign
+from experiments.battery.table import IMITATOR, WHOLE
+from experiments.shared.figures import MARKS, captioned
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
+
+GOOD = (INSIDE, SAME)
+OPEN = (FEW, NOT_COMPARABLE, "not shown")
+
+
+def figures(done: Battery) -> dict[str, Figure]:
+    """By name, in the order of the report."""
+    found = {"infants": beside_infants(done.rows), "signs": beside_signs(done.rows)}
+    for name, stage in STAGES.items():
+        part = done.whole[done.whole["task"].map(stage_of) == name]
+        if len(part):
+            found[name] = ablations(part, stage, rng=np.random.default_rng(0))
+    for factor in done.factors:
+        found[f"vary_{factor}"] = varied(done.frame, factor, rng=np.random.default_rng(0))
+    return found
+
+
+STAGES: Mapping[str, str] = {
+    "parts": "Stage 1: whose part moved",
+    "movements": "Stage 2: movements reproduced",
+    "gaze": "Stage 2: what a teacher looks at",
+    "face": "Stage 2: faces",
+    "touch": "Stage 3: an act seen once",
+    "intentions": "Stage 4: what was meant",
+}
+"""Chapters of the report."""
+
+
+def stage_of(task: str) -> str:
+    """The chapter that a task belongs to."""
+    starts = {"whose": "parts", "movement": "movements", "gaze": "gaze", "face": "face", "head": "touch"}
+    return next((name for begins, name in starts.items() if task.startswith(begins)), "intentions")
+
+
+@captioned(
+    "Share of agents (orange, 95 % interval over separately babbled agents) and of infants (blue, exact 95 % interval; "
+    "hollow where no n over infants was published). Agents draw in proportion to their posteriors; nothing was fitted."
+)
+def beside_infants(rows: Sequence[Row]) -> Figure:
+    """Rates, a line each."""
+    shown = [row for row in rows if isinstance(row.published, Rate) and row.simulated is not None]
+    figure, axes = _lines(len(shown), "share of agents, of infants")
+    for at, row in enumerate(shown):
+        assert isinstance(row.published, Rate) and row.simulated is not None
+        _dot(axes, row.simulated, at - 0.13, OURS, "agents" if at == 0 else None)
+        if row.verdict.published is not None:
+            _dot(axes, row.verdict.published, at + 0.13, THEIRS, "infants" if at == 0 else None)
+        else:
+            axes.plot(row.published.share, at + 0.13, "o", mfc="none", color=THEIRS, ms=6)
+        _verdict(axes, at, row.verdict.word)
+    axes.set_xlim(-0.02, 1.02)
+    _named(axes, [f"{row.published.cell}\n{row.published.study} ({row.published.status})" for row in shown
+                  if isinstance(row.published, Rate)])  # fmt: skip
+    return figure
+
+
+@captioned(
+    "By how much more often agents did it in the first than in the second condition (95 % interval over agents), beside "
+    "the published sign. Where infants' groups did not differ, agents agree if the interval lies within 19 points."
+)
+def beside_signs(rows: Sequence[Row]) -> Figure:
+    """Differences, a line each."""
+    shown = [row for row in rows if isinstance(row.published, Sign) and row.simulated is not None]
+    figure, axes = _lines(len(shown), "difference between shares of agents")
+    labels = []
+    for at, row in enumerate(shown):
+        assert isinstance(row.published, Sign) and row.simulated is not None
+        _dot(axes, row.simulated, at, OURS, None)
+        _verdict(axes, at, row.verdict.word)
+        one = row.published
+        labels.append(f"{one.more} {one.relation} {one.less.condition}\n{one.study} ({one.status})")
+    axes.axvline(0, color=DARK, lw=0.8)
+    axes.set_xlim(-1.02, 1.02)
+    _named(axes, labels)
+    return figure
+
+
+@captioned(
+    "Whole agents, agents without a stage, and peers with the same body that saw the same; means and 95 % intervals over "
+    "agents. What a stage is for shows where it is left out."
+)
+def ablations(frame: pd.DataFrame, title: str, *, rng: np.random.Generator) -> Figure:
+    """Panels for tasks; conditions down, everybody in a colour."""
+    table = populations(frame, rng=rng)
+    tasks = list(dict.fromkeys(table["task"]))
+    longest = max(table[table["task"] == task]["condition"].nunique() for task in tasks)
+    who = _everybody(table)
+    figure = Figure(
+        figsize=(4.2 * max(len(tasks), 2), 1.2 + 0.24 * max(longest, 3) * max(len(who), 2)), layout="constrained"
+    )
+    panels = figure.subplots(1, len(tasks), sharey=True, squeeze=False)[0]
+    conditions = list(dict.fromkeys(table["condition"]))
+    for axes, task in zip(panels, tasks, strict=True):
+        here = table[table["task"] == task]
+        for number, (name, (peer, without)) in enumerate(who.items()):
+            some = here[(here["who"] == peer) & (here["without"] == without)]
+            at = np.array([conditions.index(one) for one in some["condition"]]) + 0.7 * (number / len(who) - 0.5)
+            spread = np.clip([some["mean"] - some["low"], some["high"] - some["mean"]], 0, None)
+            axes.errorbar(some["mean"], at, xerr=spread, fmt=MARKS[number % len(MARKS)], color=CYCLE[number % len(CYCLE)],
+                          ms=5, lw=1.3, label=name)  # fmt: skip
+        unit = here["unit"].iloc[0]
+        axes.set(xlabel=f"error [{unit}]" if unit else "share of agents' trials", title=task)
+        axes.set_yticks(range(len(conditions)), conditions)
+        axes.grid(alpha=0.25)
+        axes.set_xscale("log") if unit else axes.set_xlim(-0.03, 1.03)
+    panels[0].invert_yaxis()
+    figure.suptitle(title)
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False)
+    return figure
+
+
+def _everybody(table: pd.DataFrame) -> dict[str, tuple[str, str]]:
+    pairs = dict.fromkeys(zip(table["who"], table["without"], strict=True))
+    first = sorted(pairs, key=lambda pair: (pair != (IMITATOR, WHOLE), pair[1] == WHOLE))
+    return {who if without == WHOLE else f"without {without}": (who, without) for who, without in first}
+
+
+@captioned(
+    "The same agents, seeds alike, with one parameter varied: means and 95 % intervals over agents, averaged over all "
+    "else that was varied. A level line means that the result does not depend on this number."
+)
+def varied(frame: pd.DataFrame, factor: str, *, rng: np.random.Generator) -> Figure:
+    """Panels for tasks, lines for conditions."""
+    whole = frame[(frame["who"] == IMITATOR) & (frame["without"] == WHOLE)]
+    others = [name for name in frame.attrs.get("factors", ()) if name != factor]
+    table = populations(whole.drop(columns=others), rng=rng)
+    tasks = list(dict.fromkeys(table["task"]))
+    figure = Figure(figsize=(4.4 * min(len(tasks), 3), 4.0 * -(-len(tasks) // 3)), layout="constrained")
+    panels = figure.subplots(-(-len(tasks) // 3), min(len(tasks), 3), squeeze=False).ravel()
+    for axes, task in zip(panels, tasks, strict=False):
+        here = table[table["task"] == task]
+        for number, (condition, some) in enumerate(here.groupby("condition", sort=False)):
+            spread = np.clip([some["mean"] - some["low"], some["high"] - some["mean"]], 0, None)
+            axes.errorbar(some[factor].astype(str), some["mean"], yerr=spread, marker=MARKS[number % len(MARKS)],
+                          color=CYCLE[number % len(CYCLE)], ms=4, lw=1.3, label=str(condition))  # fmt: skip
+        unit = here["unit"].iloc[0]
+        axes.set(xlabel=factor.replace("_", " "), ylabel=f"error [{unit}]" if unit else "share", title=task)
+        axes.set_yscale("log") if unit else axes.set_ylim(-0.03, 1.03)
+        axes.legend(frameon=False, fontsize=7)
+        axes.grid(alpha=0.25)
+    for axes in panels[len(tasks) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def _lines(count: int, label: str) -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(9.5, 1.2 + 0.52 * max(count, 1)), layout="constrained")
+    axes = figure.subplots()
+    axes.set(xlabel=label, ylim=(count - 0.4, -0.6))
+    axes.grid(axis="x", alpha=0.25)
+    return figure, axes
+
+
+def _dot(axes: Axes, one: object, at: float, ink: str, label: str | None) -> None:
+    value, low, high = one.value, one.low, one.high  # type: ignore[attr-defined]
+    spread = [[max(value - low, 0)], [max(high - value, 0)]]
+    axes.errorbar(value, at, xerr=spread, fmt="o", color=ink, ms=6, lw=1.6, label=label)
+    if label:
+        axes.figure.legend(loc="outside upper right", ncols=2, frameon=False) if label == "infants" else None
+
+
+def _verdict(axes: Axes, at: float, word: str) -> None:
+    ink = OURS if word in GOOD else PLAIN if word in OPEN else DARK
+    axes.annotate(word, (1.01, at), xycoords=("axes fraction", "data"), va="center", fontsize=9, color=ink,
+                  fontweight="normal" if word in OPEN else "bold")  # fmt: skip
+
+
+def _named(axes: Axes, labels: Sequence[str]) -> None:
+    axes.set_yticks(range(len(labels)), labels, fontsize=8)

@@ -1,0 +1,143 @@
+"""One mind that grows: it babbles its body, watches itself, looks about, plays; what comes later builds on that.
+
+What a later stage needs of an earlier one it takes from there: a stage left out is an ablation.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from babbling.body_image import BodyImage
+from babbling.errors import BabblingError
+from babbling.mind import Mind, Temper
+from babbling.pilot import begin
+from babbling.play import Play
+from experiments.battery.parameters import LATER, Parameters
+from experiments.intentions.showing import SHOWS
+from experiments.intentions.study import OBJECTS
+from experiments.intentions.trials import Trials, trials
+from experiments.objects.showing import ROOM_TABLE_M, Act, demonstrated
+from experiments.shared.children import Child
+from experiments.shared.minds import body_of, learn_mind
+from experiments.shared.mirrors import image_of, look_into_mirror
+from experiments.shared.options import BodyOptions
+from experiments.shared.playing import CANDIDATES, SEATED
+from experiments.shared.rounds import empty, look_at_hands, play_on
+
+GLIMPSE_MINUTES = 0.3
+"""Before a mirror, of those who are said to have had none."""
+ADULT_ROUNDS = 4
+"""Of an adult's play."""
+EACH, MEANS, CARELESS = 1, 8, 12
+"""Tries of every primitive with a thing, more of those that bring its target about, and, of adults, careless ones."""
+
+
+@dataclass(frozen=True)
+class Life:
+    """Of one agent, before it is lived."""
+
+    agent: int
+    seed: int
+    how: Parameters
+    things: tuple[str, ...]
+
+    @property
+    def childhood(self) -> tuple[object, ...]:
+        """What it is until it meets others; agents of one childhood grow up once."""
+        return (self.seed, self.things, *(value for name, value in vars(self.how).items() if name not in LATER))
+
+    @property
+    def body(self) -> BodyOptions:
+        """HOAP-2 on its seat: the body of all stages."""
+        return BodyOptions(robot=SEATED, seed=self.seed, threads=1)
+
+    def rng(self, *what: int) -> np.random.Generator:
+        """Of one thing in this life."""
+        return np.random.default_rng([self.seed, 0xBA77, *what])
+
+
+@dataclass(frozen=True, eq=False)
+class Grown:
+    """What a life has left in one mind before it meets others."""
+
+    life: Life
+    mind: Mind
+    limbs: BodyImage
+    """Where its parts point, from the mirror."""
+    glimpsed: BodyImage | None
+    """The same from a glimpse into it; None where that showed nothing."""
+    hands: BodyImage
+    """Where its hands, forehead, elbows and shoulders are seen."""
+    child: Child
+    """Who has played."""
+    own: dict[str, Trials]
+    """By thing, tries from which it does not learn: what becomes of what it does."""
+
+
+def grown(life: Life) -> Grown:
+    """Body babbling, watching oneself, play."""
+    quiet, how = (lambda share: None), life.how
+    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES).mind
+    mirrored = look_into_mirror(life.body, mind.pilot, how.mirror_minutes, how.seeing_noise_deg)
+    limbs, glimpsed = image_of(mirrored, life.body, mind.pilot), None
+    with suppress(BabblingError):
+        glimpsed = image_of(mirrored.first(GLIMPSE_MINUTES), life.body, mind.pilot)
+    outline = look_at_hands(mind, life.seed, outline=True)
+    image = look_at_hands(mind, life.seed)
+    play = play_on(mind, image, empty(mind, played_with(life)), played_with(life), how.play_rounds, life.seed, 1)
+    child = Child(mind, image, play)
+    return Grown(life, mind, limbs, glimpsed, outline, child, pool(child, life.agent, life.things))
+
+
+def played_with(life: Life) -> tuple[str, ...]:
+    """Things; the panel with hands bound too."""
+    return tuple(thing for one in life.things for thing in ((one, f"{one}:busy") if one == "panel" else (one,)))
+
+
+def hardly_babbled(life: Life) -> Mind:
+    """The ablation: a mind that knows what the first seconds of one body told it."""
+    body = body_of(life.body, 1)
+    found, model = begin(body, life.seed)
+    return Mind(body.fingerprint, life.seed, found, model, Temper.cautious(len(model.factors)))
+
+
+def unplayed(whole: Grown) -> Grown:
+    """The ablation: it never played."""
+    nothing: Play = whole.child.play.nothing()
+    child = replace(whole.child, play=nothing)
+    return replace(whole, child=child, own=pool(child, whole.life.agent, whole.life.things))
+
+
+def pool(child: Child, number: int, things: Sequence[str], careless: int = 0) -> dict[str, Trials]:
+    """By thing, tries of this child in physics from which nobody learns: what becomes of what it does."""
+    found = {}
+    for thing in things:
+        toy, _, hands = thing.partition(":")
+        first = 1_000_000 + 10_000 * number + 1000 * OBJECTS.index(thing)
+        how = {"each": EACH, "means": MEANS, "careless": careless}
+        found[thing] = trials(child, toy, SHOWS[toy].act, SHOWS[toy].target, first, busy=bool(hands), **how)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Adult:
+    """Whom agents watch: skilled, of the same kind of body."""
+
+    tries: dict[str, Trials]
+    touches: dict[str, Act]
+    """With the forehead in the usual room, in another, and handling alone."""
+
+
+def adult(life: Life) -> Adult:
+    """Grown like all, played longer, and shows what there is to be seen."""
+    longer = replace(life, how=replace(life.how, play_rounds=max(ADULT_ROUNDS, life.how.play_rounds)))
+    child = grown(longer).child
+    tries = pool(child, life.agent, played_with(life), CARELESS)
+    shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),
+             ("room", "press with the head", "lit by head", ROOM_TABLE_M))  # fmt: skip
+    touches = {
+        name: demonstrated(child, "panel", act, state, 8, life.seed, table=table) for name, act, state, table in shown
+    }
+    return Adult(tries, touches)

@@ -1,0 +1,97 @@
+"""Stages one and two: whose part moved, and doing the movement that was seen, by the mind that babbled."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from babbling.axes import FloatArray
+from babbling.body_image import BodyImage
+from babbling.mirroring import angles_between
+from experiments.battery.life import Grown, hardly_babbled
+from experiments.battery.table import IMITATOR, WHOLE, Trial
+from experiments.correspondence.acts import act
+from experiments.shared.baselines import direct_replay
+from experiments.shared.judging import rmse_deg
+from experiments.shared.minds import body_of
+from experiments.shared.mirrors import Pupil
+from experiments.shared.oracle import at_ticks
+from experiments.shared.peers import inverse_line
+from experiments.shared.watching import Seen, watch
+from imitation.acting.loop import imitate
+from imitation.correspondence.organ import identify
+from models.body import SimulatedBody
+from models.mirror import Mirror
+
+SHOWN = ("icub-wave", "romeo-bow")
+"""Movements of robots of other proportions."""
+ACTS = 12
+"""Single acts, each of a random part of a random robot."""
+ASTRAY = 1
+"""Seed of the wiring of another's body."""
+
+
+def movements(who: Grown) -> Iterator[Trial]:
+    """All rows of these stages, ablations among them."""
+    life, body = who.life, body_of(who.life.body, 1, stream=3)
+    for without, limbs in ((WHOLE, who.limbs), ("mirror", who.glimpsed)):
+        rng = life.rng(1)
+        for number in range(ACTS):
+            part, shown = act(who.limbs.parts, life.agent + number, rng)
+            found = -1 if limbs is None else identify(limbs.organs, shown, body.tick_s).part
+            said, right = ("nothing", *who.limbs.parts)[found + 1], who.limbs.parts[part]
+            yield Trial(life.agent, life.seed, without, IMITATOR, 1, "whose part", "single act", number, said, right,
+                        float(said == right))  # fmt: skip
+    for name in SHOWN:
+        yield from _imitated(who, name, body)
+
+
+def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
+    life, mind = who.life, who.mind
+    plain = watch(name, body)
+    seen = _understood(who, who.limbs, plain, body)
+    elsewhere = body_of(replace(life.body, scramble=ASTRAY), 1, stream=3)
+
+    def done(robot: SimulatedBody, **how: object) -> FloatArray:
+        how = {"mind": mind, "movement": seen.movement} | how
+        attempt = imitate(robot, rng=life.rng(3), witness=lambda: robot.joint_angles, **how)[0]  # type: ignore[arg-type]
+        return np.asarray(attempt.truth[:, 0])
+
+    body.reset()
+    rest = np.broadcast_to(body.joint_angles[0], seen.angles.shape)
+    ways = [
+        (WHOLE, IMITATOR, done(body), seen),
+        (WHOLE, "inverse line", done(body, inverse=inverse_line(mind.forward_model)), seen),
+        (WHOLE, "direct replay", direct_replay(body, seen.angles), seen),
+        (WHOLE, "stays at rest", rest, seen),
+        ("babbling", IMITATOR, done(body, mind=hardly_babbled(life)), seen),
+        ("own body", IMITATOR, done(elsewhere, mind=replace(mind, fingerprint=elsewhere.fingerprint)), seen),
+    ]
+    if who.glimpsed is None:
+        ways.append(("mirror", IMITATOR, rest, seen))  # it knows of no part what it shows
+    else:
+        poorly = _understood(who, who.glimpsed, plain, body)
+        ways.append(("mirror", IMITATOR, done(body, movement=poorly.movement), poorly))
+    for without, peer, angles, goal in ways:
+        missed = rmse_deg(angles, goal.angles), _pointed(body, angles, goal)
+        for task, error in zip(
+            ("movement, against its sub-goals", "movement, against the teacher"), missed, strict=True
+        ):
+            yield Trial(life.agent, life.seed, without, peer, 2, task, name, 0, "", "", np.nan, error, "deg")
+
+
+def _understood(who: Grown, limbs: BodyImage, seen: Seen, body: SimulatedBody) -> Seen:
+    pupil = Pupil(body, who.mind.pilot, limbs, who.life.how.seeing_noise_deg)
+    assert seen.performance is not None
+    return seen.learning(pupil.follow(seen.performance, who.life.rng(2)), body)
+
+
+def _pointed(body: SimulatedBody, angles: FloatArray, seen: Seen) -> float:
+    """Mean angle between where its parts pointed and the teacher's did, degrees."""
+    assert seen.teacher is not None
+    mirror, showed = Mirror(body), at_ticks(seen.teacher, body.tick_s)
+    parts = [part for part in mirror.parts if part in showed]
+    frames = min(len(angles), len(showed[parts[0]]))
+    wanted = np.stack([showed[part][:frames] for part in parts], 1)
+    shown = mirror.shown(angles[:frames])[:, [mirror.parts.index(part) for part in parts]]
+    return float(np.rad2deg(angles_between(shown, wanted).mean()))

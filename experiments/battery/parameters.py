@@ -1,0 +1,60 @@
+"""What of an agent's life and mind is a parameter: everything here can be varied."""
+
+from dataclasses import dataclass
+
+THINGS = ("dumbbell", "outsized", "panel", "box", "loop", "cup")
+"""What agents play with."""
+FEW_THINGS = ("dumbbell", "outsized", "panel", "box", "cup")
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Of one agent; none was chosen by infants' rates."""
+
+    babbling_minutes: float = 12.333
+    """Body-minutes of babbling on the seat, the pilot counted."""
+    mirror_minutes: float = 6.0
+    """Body-minutes before a mirror, and again of looking at one's own hands and head."""
+    looking_minutes: float = 5.0
+    """Body-minutes of saccades."""
+    gaze_lessons: int = 40
+    """Looks of a teacher's of which it is shown afterwards what was meant."""
+    face_acts: int = 600
+    """Acts of the face in the dark."""
+    play_rounds: int = 2
+    """Rounds of play, each twenty tries with every thing."""
+    acts: int = 3
+    """Acts that there is time for."""
+    shown: int = 3
+    """How often an intention is shown."""
+    exponent: float = 1.0
+    """Of matching: P(choice) proportional to posterior^exponent; 1 is probability matching, 0 chance."""
+    trust: float = 1.0
+    """In habit, P(a | s) of Eq. (1), as its exponent."""
+    own_weight: float = 0.1
+    """How much one's own play weighs in what one wants, against one effect that was just seen."""
+    gives_up: float = 0.1
+    """P(somebody stops | the goal is not reached)."""
+    goes_on: float = 0.02
+    """P(somebody does it again at once | the goal is reached)."""
+    repeats: float = 0.8
+    """P(a thing does what it did before)."""
+    all_somebody: bool = False
+    """Whether whatever moves is taken for somebody: the prior for persons against devices."""
+    as_itself: bool = False
+    """Whether the other is taken to have one's own hands, not an adult's."""
+    even_goals: bool = False
+    """Whether all goals that ever came about are wanted alike."""
+    forgets: float = 0.0
+    """P(what was seen is forgotten within a day)."""
+    aim_deg: float = 3.0
+    """How exactly a teacher's head points at what it looks at."""
+    seeing_noise_deg: float = 0.0
+    """Noise of every direction that is seen in the mirror and of teachers."""
+
+
+LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
+         "as_itself", "even_goals", "forgets")  # fmt: skip
+"""What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
+QUICK = Parameters(babbling_minutes=4.0, looking_minutes=2.0, play_rounds=1, gaze_lessons=24, face_acts=400)
+"""Shorter lives, for a first look."""
