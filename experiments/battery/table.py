@@ -4,13 +4,18 @@ What an agent chose among stands beside its choice, so that Eq. (1) and (2) can 
 `likelihood` P(outcome | state, action) or P(seen | goal) of each, and the `prior` P(action | state) or P(goal).
 """
 
+import ast
+import inspect
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_integer_dtype, is_numeric_dtype
 
 from babbling.axes import FloatArray
 
@@ -20,6 +25,8 @@ WHOLE = "nothing"
 """Left out of who went through all stages."""
 BETWEEN = "|"
 """Between the options, likelihoods and priors of a choice."""
+MOST_LISTED = 8
+"""Values that a dictionary lists of a column."""
 
 
 @dataclass(frozen=True)
@@ -92,3 +99,58 @@ def tidy(trials: Iterable[Trial], factors: dict[int, dict[str, float | str]] | N
         assert factors is not None
         rows.insert(place + number, name, [factors[int(agent)][name] for agent in rows["agent"]])
     return rows.sort_values(["agent", "stage", "task", "condition", "who", "trial"], kind="stable", ignore_index=True)
+
+
+def varied(frame: pd.DataFrame) -> list[str]:
+    """Columns that are no field of `Trial`: factors of the design, or whatever a stranger's table has more."""
+    return [name for name in frame.columns if name not in MEANING]
+
+
+def files(frame: pd.DataFrame, factors: Mapping[str, str] | None = None) -> dict[str, Callable[[Path], None]]:
+    """Name -> writer of `trials.parquet`, `trials.csv` (UTF-8, RFC 4180, NaN as empty) and `dictionary.csv`.
+
+    Args:
+        frame: a tidy table.
+        factors: what the columns mean that are no field of `Trial`.
+    """
+    comma = {"index": False, "encoding": "utf-8", "lineterminator": "\r\n", "na_rep": ""}
+    return {
+        "trials.parquet": lambda path: frame.to_parquet(path, index=False),
+        "trials.csv": lambda path: frame.to_csv(path, **comma),
+        "dictionary.csv": lambda path: dictionary(frame, factors).to_csv(path, **comma),
+    }
+
+
+def write(frame: pd.DataFrame, folder: Path, factors: Mapping[str, str] | None = None) -> None:
+    """Write all of `files` into a folder that is there."""
+    for name, writer in files(frame, factors).items():
+        writer(folder / name)
+
+
+def dictionary(frame: pd.DataFrame, factors: Mapping[str, str] | None = None) -> pd.DataFrame:
+    """A row for every column of a table: its type, unit and meaning, and the values it has, numbers from least to
+    greatest."""
+    told = _meanings() | dict.fromkeys(varied(frame), "Factor of the design.") | dict(factors or {})
+    rows = []
+    for name in frame.columns:
+        there = frame[name][frame[name].notna()]
+        number, values = is_numeric_dtype(there), sorted(there.unique().tolist())
+        kind = "whole number" if is_integer_dtype(there) else "number" if number else "text"
+        if number and len(values) > MOST_LISTED:
+            shown = f"{values[0]:g} to {values[-1]:g}"
+        else:
+            shown = ", ".join(map(str, values[:MOST_LISTED])) + (", ..." if len(values) > MOST_LISTED else "")
+        rows.append((name, kind, "see unit" if name == "value" else "", told[name], shown))
+    return pd.DataFrame(rows, columns=["column", "type", "unit", "meaning", "values"])
+
+
+@cache
+def _meanings() -> dict[str, str]:
+    """The line under each field of `Trial`."""
+    [one] = ast.parse(inspect.getsource(Trial)).body
+    assert isinstance(one, ast.ClassDef)
+    return {
+        ast.unparse(field.target): str(line.value.value)
+        for field, line in zip(one.body, one.body[1:], strict=False)
+        if isinstance(field, ast.AnnAssign) and isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant)
+    }
