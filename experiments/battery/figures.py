@@ -12,6 +12,7 @@ from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, SAME, popul
 from experiments.battery.found import Battery
 from experiments.battery.infants import Rate, Sign
 from experiments.battery.table import IMITATOR, WHOLE
+from experiments.battery.table import varied as factors_of
 from experiments.shared.figures import MARKS, captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
@@ -71,8 +72,8 @@ def beside_infants(rows: Sequence[Row]) -> Figure:
 
 
 @captioned(
-    "By how much more often agents did it in the first than in the second condition (95 % interval over agents), beside "
-    "the published sign. Where infants' groups did not differ, agents agree if the interval lies within 19 points."
+    "By how much more often agents did it in the first than in the second condition (95 % interval over agents), "
+    "beside the published sign. Where infants' groups did not differ, agents agree if it lies within 19 points."
 )
 def beside_signs(rows: Sequence[Row]) -> Figure:
     """Differences, a line each."""
@@ -92,8 +93,8 @@ def beside_signs(rows: Sequence[Row]) -> Figure:
 
 
 @captioned(
-    "Whole agents, agents without a stage, and peers with the same body that saw the same; means and 95 % intervals over "
-    "agents. What a stage is for shows where it is left out."
+    "Whole agents, agents without a stage, and peers with the same body that saw the same; means and 95 % intervals "
+    "over agents. What a stage is for shows where it is left out."
 )
 def ablations(frame: pd.DataFrame, title: str, *, rng: np.random.Generator) -> Figure:
     """Panels for tasks; conditions down, everybody in a colour."""
@@ -112,8 +113,8 @@ def ablations(frame: pd.DataFrame, title: str, *, rng: np.random.Generator) -> F
             some = here[(here["who"] == peer) & (here["without"] == without)]
             at = np.array([conditions.index(one) for one in some["condition"]]) + 0.7 * (number / len(who) - 0.5)
             spread = np.clip([some["mean"] - some["low"], some["high"] - some["mean"]], 0, None)
-            axes.errorbar(some["mean"], at, xerr=spread, fmt=MARKS[number % len(MARKS)], color=CYCLE[number % len(CYCLE)],
-                          ms=5, lw=1.3, label=name)  # fmt: skip
+            how = {"fmt": MARKS[number % len(MARKS)], "color": CYCLE[number % len(CYCLE)], "ms": 5, "lw": 1.3}
+            axes.errorbar(some["mean"], at, xerr=spread, label=name, **how)
         unit = here["unit"].iloc[0]
         axes.set(xlabel=f"error [{unit}]" if unit else "share of agents' trials", title=task)
         axes.set_yticks(range(len(conditions)), conditions)
@@ -139,7 +140,7 @@ def _everybody(table: pd.DataFrame) -> dict[str, tuple[str, str]]:
 def varied(frame: pd.DataFrame, factor: str, *, rng: np.random.Generator) -> Figure:
     """Panels for tasks, lines for conditions."""
     whole = frame[(frame["who"] == IMITATOR) & (frame["without"] == WHOLE)]
-    others = [name for name in frame.attrs.get("factors", ()) if name != factor]
+    others = [name for name in factors_of(frame) if name != factor]
     table = populations(whole.drop(columns=others), rng=rng)
     tasks = list(dict.fromkeys(table["task"]))
     figure = Figure(figsize=(4.4 * min(len(tasks), 3), 4.0 * -(-len(tasks) // 3)), layout="constrained")

@@ -20,7 +20,8 @@ class Config(Options):
     stages: Annotated[tuple[Stage, ...], some] = STAGES
     """What agents go through beside babbling: movements, gaze, face, objects (and what somebody meant to do)."""
     vary: tuple[str, ...] = ()
-    """NAME=a,b,c: a parameter of agents and the values it takes; several are crossed, seeds are the same in all cells."""
+    """NAME=a,b,c: a parameter of agents and the values it takes; several are crossed, with the same seeds in all
+    cells."""
     workers: Annotated[int, within(1, 256)] = 2
     """Processes; the result does not depend on it."""
 

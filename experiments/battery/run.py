@@ -1,10 +1,8 @@
 """Every stage of the chapter, one growing mind each, populations beside infants (chapter, sections 3.4 and 4)."""
 
 import time
-from dataclasses import replace
 from functools import partial
 
-from experiments.battery.effects import populations
 from experiments.battery.faces import Ward, bank, faces, looks
 from experiments.battery.figures import figures
 from experiments.battery.found import Battery, told
@@ -12,7 +10,7 @@ from experiments.battery.life import Life, adult
 from experiments.battery.options import Config
 from experiments.battery.parameters import FEW_THINGS, QUICK, THINGS, Parameters
 from experiments.battery.shards import Shard, lived
-from experiments.battery.table import tidy, write
+from experiments.battery.table import files, tidy
 from experiments.battery.vary import designs, parse
 from experiments.shared.experiment import Result
 from experiments.shared.parallel import in_parallel
@@ -58,7 +56,7 @@ def run(config: Config) -> Result:
         shards += len(tasks)
     frame = tidy(trials, {one.agent: one.factors for one in cells} if varied else None)
     done = Battery(config, frame, tuple(varied), (), shards, time.perf_counter() - began)
-    return Result(done.metrics, summarise(done), figures(done), None, write(frame))
+    return Result(done.metrics, summarise(done), figures(done), None, files(frame))
 
 
 def _wards(lives: list[Life]) -> list[tuple[Life, ...]]:

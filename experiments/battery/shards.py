@@ -15,7 +15,8 @@ class Shard:
     """Agents of one childhood, who differ in nothing but what comes after it, and whom they watch."""
 
     lives: tuple[Life, ...]
-    adult: Adult
+    adult: Adult | None
+    """For stages with objects."""
     stages: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -36,5 +37,5 @@ def _lived(shard: Shard) -> Iterator[Trial]:
         if "movements" in shard.stages:
             for row in movements(who):  # nothing in them comes after childhood
                 yield from (replace(row, agent=life.agent) for life in lives)
-        if "objects" in shard.stages:
+        if "objects" in shard.stages and shard.adult is not None:
             yield from acting(who, lives, shard.adult)
