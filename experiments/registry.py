@@ -41,6 +41,7 @@ EXPERIMENTS: dict[str, Entry] = {
     "objects": Entry("objects", "an act on an object is seen once, remembered, and done by one's own means"),
     "intentions": Entry("intentions", "what somebody meant to do is inferred from failed attempts, and done"),
     "face": Entry("face", "a face is imitated that never saw itself; rival theories of newborns' imitation, scored"),
+    "battery": Entry("battery", "all stages, one growing mind each: populations of agents beside infants"),
     "notice": Entry("notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned"),
     "robot": Entry("robot", "a robot's card: its motors, senses and what would be refused; a movement to begin with"),
     "compare": Entry("compare", "what earlier runs left, side by side: one table, one figure, one recording"),
