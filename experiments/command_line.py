@@ -101,7 +101,7 @@ def do(one: Entry, name: str, config: "Options") -> Path:
     module = load(one, config)
     from experiments.shared.experiment import check_out, folder, publish
     from experiments.shared.kept import studying
-    from experiments.shared.tables import show
+    from experiments.shared.tables import opened, show
 
     work()
     if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
@@ -112,7 +112,7 @@ def do(one: Entry, name: str, config: "Options") -> Path:
         result = module.run(config)
         out = publish(name, config, result)
     show(result.summary)
-    print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
+    print("\n" + opened(out))
     return out
 
 
