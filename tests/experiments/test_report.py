@@ -42,7 +42,7 @@ class Read(HTMLParser):
 
 
 def figure() -> Figure:
-    drawn = Figure(figsize=(2, 1))
+    drawn = Figure(figsize=(2, 1), layout="constrained")
     drawn.subplots().plot([0, 1])
     drawn.set_label("What <is> & what is shown.")
     return drawn
