@@ -4,8 +4,12 @@ import io
 import os
 import re
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from functools import partial
 from importlib.metadata import version
+from itertools import groupby
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -58,12 +62,20 @@ def completion(words: list[str]) -> str:
 
 
 def listing(*, full: bool) -> None:
-    """Every experiment with its line."""
+    """Every experiment with its line, under the stage it belongs to, and what options may name."""
+    from models.robots import ROBOTS
+    from models.teachers.demonstrations import DEMONSTRATIONS
+
     if full:
         print(USAGE + "\n")
-    width = max(map(len, EXPERIMENTS))
-    for name, one in EXPERIMENTS.items():
-        print(f"  {name:<{width}}  {one.line}")
+    width, columns = max(map(len, EXPERIMENTS)), get_terminal_size().columns
+    for stage, group in groupby(EXPERIMENTS.items(), lambda one: one[1].stage):
+        print(stage)
+        for name, one in group:
+            print(fill(f"  {name:<{width}}  {one.line}", columns, subsequent_indent=" " * (width + 4)))
+    print()
+    for what, names in (("Robots", ROBOTS), ("Demonstrations", DEMONSTRATIONS)):
+        print(fill(f"{what}: {', '.join(names)}; or a file", columns, subsequent_indent="    ", break_on_hyphens=False))
 
 
 def run(name: str, words: list[str]) -> int:
@@ -89,7 +101,7 @@ def do(one: Entry, name: str, config: "Options") -> Path:
     module = load(one, config)
     from experiments.shared.experiment import check_out, folder, publish
     from experiments.shared.kept import studying
-    from experiments.shared.tables import show
+    from experiments.shared.tables import opened, show
 
     work()
     if hasattr(module, "command"):  # an experiment that leaves something else than a folder of results
@@ -100,7 +112,7 @@ def do(one: Entry, name: str, config: "Options") -> Path:
         result = module.run(config)
         out = publish(name, config, result)
     show(result.summary)
-    print(f"\nwritten to {out}: " + ", ".join(sorted(p.name for p in out.iterdir())))
+    print("\n" + opened(out))
     return out
 
 
@@ -133,14 +145,18 @@ def parse(kind: "type[Options]", name: str, words: list[str]) -> "Options | None
     """
     import tyro
 
-    said = io.StringIO()
+    said, one = io.StringIO(), EXPERIMENTS[name]
     if os.environ.get("COLUMNS", "").isdigit() and int(os.environ["COLUMNS"]) < NARROWEST:  # tyro would not end
         os.environ["COLUMNS"] = str(NARROWEST)
+    wide = partial(fill, width=get_terminal_size().columns, subsequent_indent="  ")  # tyro keeps breaks before blanks
+    marks = (tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone)
     try:
         with redirect_stderr(said):
-            return tyro.cli(kind, args=words, prog=f"imitate {name}", description=EXPERIMENTS[name].line)
+            return tyro.cli(kind, args=words, prog=f"imitate {name}", description=wide(one.line), config=marks)
     except SystemExit as stop:
         if stop.code in (0, None):
+            print("\nExample: " + f"imitate {name} {one.example}".rstrip())
+            print(f"It takes {one.takes}." if one.takes else "")
             return None
         raise ExperimentError(in_one_line(said.getvalue(), name)) from None
 

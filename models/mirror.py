@@ -42,7 +42,7 @@ class Mirror:
         self._axes = np.array([limbs[part].axis for part in self.parts], dtype=float)
 
     def _carrier(self, moved: int) -> int:
-        """The body that a joint moves, as the torso sees it: of one that is held by its pelvis, what holds the torso."""
+        """The body that a joint moves, as the torso sees it: of one held by its pelvis, what holds the torso."""
         above, model = self._torso, self._body.model
         while above and above != moved:
             above = int(model.body_parentid[above])

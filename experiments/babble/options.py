@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-import tyro
-
-from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Minutes, Robot, options
+from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Flag, Minutes, Robot, options, written
 from models.robots import ROBOTS
 
 
@@ -14,15 +12,15 @@ class Config(BodyOptions):
     """Options of `imitate babble`."""
 
     robot: Robot = "hoap2"
-    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF;
-    biclops babbles with its eyes, as `imitate saccades` does, and leaves a folder."""
+    """A robot that `imitate list` names, or the path of an MJCF; biclops babbles with its eyes, as `imitate saccades`
+    does, and leaves a folder."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The file (runs/ROBOT.nc); its learning curve is drawn beside it. One that these options made is left as it is,
-    one of other options is replaced."""
+    out: Annotated[Path | None, written("FILE.nc", "runs/ROBOT.nc")] = None
+    """The file; its learning curve is drawn beside it. One that these options made is left as it is, one of other
+    options is replaced."""
 
-    stand: bool = False
+    stand: Flag = False
     """Afterwards, also learn to stand on one's own feet; FILE.balance.nc is left beside FILE.nc."""
 
     @property

@@ -1,5 +1,6 @@
 """A robot babbles and leaves what it learned in a file; interrupted, the same command goes on where it stopped."""
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.options import must_stand
 from experiments.shared.progress import progress
 from experiments.shared.standing import standing_of
-from experiments.shared.tables import show, table
+from experiments.shared.tables import opened, show, table
 from experiments.stopping import say
 
 Rows = list[tuple[str, str]]
@@ -68,6 +69,9 @@ def command(config: Config) -> Path:
     if rows:
         show(table(rows))
         print(f"\nwritten to {out} (and {', '.join(file.name for file in left)} beside it)")
+        words = [*(["--robot", config.robot] if config.robot != Config.robot else []), "--forward-model", str(out)]
+        words += [] if config.scramble is None else ["--scramble", str(config.scramble)]
+        print("to use it:", shlex.join(["imitate", "gesture", *words]))
     return out
 
 
@@ -134,5 +138,5 @@ def with_eyes(config: Config) -> Path:
     result = look(looking)
     publish("saccades", looking, result)
     show(result.summary)
-    print(f"\nwritten to {out}")
+    print("\n" + opened(out))
     return out

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from experiments.shared.options import Options, options, some, within
+from experiments.shared.options import Flag, N, Options, options, some, within, written
 
 Stage = Literal["movements", "gaze", "face", "objects"]
 STAGES: tuple[Stage, ...] = ("movements", "gaze", "face", "objects")
@@ -13,16 +13,18 @@ QUICK_AGENTS, AGENTS = 20, 200
 class Config(Options):
     """Options of `imitate battery`."""
 
-    quick: bool = False
+    quick: Flag = False
     """Shorter lives, fewer things, 20 agents: a first look."""
-    agents: Annotated[int, within(2, 100_000)] | None = None
-    """Agents in every cell of the design, each with a seed of its own; none given is 200, or 20 with --quick."""
+    agents: Annotated[int | None, within(2, 100_000), written("N", "200, or 20 with --quick")] = None
+    """Agents in every cell of the design, each with a seed of its own."""
     stages: Annotated[tuple[Stage, ...], some] = STAGES
     """What agents go through beside babbling: movements, gaze, face, objects (and what somebody meant to do)."""
-    vary: tuple[str, ...] = ()
-    """NAME=a,b,c: a parameter of agents and the values it takes; several are crossed, with the same seeds in all
-    cells."""
-    workers: Annotated[int, within(1, 256)] = 2
+    vary: Annotated[tuple[str, ...], written("NAME=a,b,c ...", "nothing")] = ()
+    """A parameter of agents and the values it takes; several are crossed, with the same seeds in all cells. NAME is one
+    of babbling_minutes, mirror_minutes, looking_minutes, gaze_lessons, face_acts, play_rounds, acts, shown, exponent,
+    trust, own_weight, gives_up, goes_on, repeats, all_somebody, as_itself, even_goals, forgets, aim_deg,
+    seeing_noise_deg."""
+    workers: Annotated[int, within(1, 256), N] = 2
     """Processes; the result does not depend on it."""
 
     @property

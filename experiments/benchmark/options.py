@@ -5,19 +5,22 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any
 
-import tyro
-
 from experiments.errors import ExperimentError
 from experiments.shared.options import (
     BABBLING_MINUTES,
+    DEMONSTRATION,
     BodyOptions,
     Demonstration,
+    Flag,
     Minutes,
+    N,
     WatchingOptions,
+    choices,
     known,
     options,
     some,
     within,
+    written,
 )
 from models.robots import find as find_robot
 
@@ -52,25 +55,33 @@ def _model(option: str, name: str) -> None:
 class Config(WatchingOptions):
     """Options of `imitate benchmark`."""
 
-    clips: Annotated[tuple[Demonstration, ...], some] = ("icub-wave", "romeo-bow", "human-raise", "g1-squat")
-    """What to imitate: built-in names or files."""
-    bodies: Annotated[tuple[Annotated[str, known(_body)], ...], some] = ("ideal", "worn")
-    """ideal, noisy (0.2 degrees), worn, scrambled, payload, spring, backlash, hysteresis; or robots."""
-    seeds: Annotated[int, within(1, 1_000)] = 2
+    clips: Annotated[tuple[Demonstration, ...], some, written(f"{DEMONSTRATION} ...")] = (
+        "icub-wave",
+        "romeo-bow",
+        "human-raise",
+        "g1-squat",
+    )
+    """What to imitate: demonstrations that `imitate list` names, or files."""
+    bodies: Annotated[tuple[Annotated[str, known(_body)], ...], some, written(f"{choices(BODIES)}|ROBOT ...")] = (
+        "ideal",
+        "worn",
+    )
+    """Bodies, HOAP-2's (noisy: by 0.2 degrees) or other robots."""
+    seeds: Annotated[int, within(1, 1_000), N] = 2
     """How many minds of each body learn and imitate: seeds --seed, --seed + 1 ..."""
-    models: Annotated[tuple[Annotated[str, _model], ...], some] = MODELS[:12]
+    models: Annotated[tuple[Annotated[str, _model], ...], some, written(f"{choices(MODELS)} ...")] = MODELS[:12]
     """Who imitates; average_mean and average_matching (other rules of selection) only when asked for."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""
-    attempts: Annotated[int, within(1, 1_000)] = 1
+    attempts: Annotated[int, within(1, 1_000), N] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
-    curve: bool = False
+    curve: Flag = False
     """Also errors after 2.3 (the pilot alone) to 100 body-minutes, on ideal and worn bodies: much longer."""
-    keep: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    keep: Annotated[Path | None, written("DIR", "they are not kept")] = None
     """Folder in which every life stays that was lived: other benchmarks with the same lives take them from there."""
-    workers: Annotated[int, within(1, 64)] = 2
+    workers: Annotated[int, within(1, 64), N] = 2
     """Processes; the result does not depend on it."""
-    peers: bool = False
+    peers: Flag = False
     """Also the maze's peers (pgmpy, pymdp) where they are installed."""
 
 

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import tyro
 
-from experiments.shared.options import Options, options
+from experiments.shared.options import Options, options, written
 
 
 @options
 class Config(Options):
     """Options of `imitate compare`."""
 
-    runs: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RUN RUN ...")] = ()
+    runs: Annotated[tuple[Path, ...], tyro.conf.Positional, written("DIR DIR ...", "")] = ()
     """Folders that earlier runs left, two to twelve."""

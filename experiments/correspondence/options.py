@@ -3,7 +3,18 @@
 from typing import Annotated
 
 from experiments.errors import ExperimentError
-from experiments.shared.options import Demonstration, MirrorOptions, ToRead, options, some, within
+from experiments.shared.options import (
+    DEG,
+    DEMONSTRATION,
+    Demonstration,
+    MirrorOptions,
+    N,
+    ToRead,
+    options,
+    some,
+    within,
+    written,
+)
 from models.teachers.demonstrations import DEMONSTRATIONS, find
 
 
@@ -11,24 +22,26 @@ from models.teachers.demonstrations import DEMONSTRATIONS, find
 class Config(MirrorOptions):
     """Options of `imitate correspondence`."""
 
-    demonstrations: Annotated[tuple[Demonstration, ...], some] = tuple(DEMONSTRATIONS)
+    demonstrations: Annotated[
+        tuple[Demonstration, ...], some, written(f"{DEMONSTRATION} ...", "all that `imitate list` names")
+    ] = tuple(DEMONSTRATIONS)
     """Teachers to imitate: built-in demonstrations and .amc or .bvh files."""
-    shown: str = "icub-reach"
+    shown: Annotated[str, written("NAME")] = "icub-reach"
     """Which of them the recording shows; the first one if it is not among them."""
-    seeing_noise_deg: Annotated[float, within(0, 30, "degrees")] = 3.0
+    seeing_noise_deg: Annotated[float, within(0, 30, "degrees"), DEG] = 3.0
     """Standard deviation of every seen direction in the noisy half of the study, degrees."""
-    mirror_minutes: Annotated[float, within(0, 600, above=True)] = 12.0
+    mirror_minutes: Annotated[float, within(0, 600, above=True), written("MINUTES")] = 12.0
     """Body-minutes in front of the mirror, for the longest point of the curve."""
-    acts: Annotated[int, within(1, 100_000)] = 200
+    acts: Annotated[int, within(1, 100_000), N] = 200
     """Single acts for organ identification."""
-    learners: Annotated[int, within(2, 100)] = 5
+    learners: Annotated[int, within(2, 100), N] = 5
     """Who look into the mirror, each by itself, for acts that are hard to put to a part."""
-    harder_acts: Annotated[int, within(1, 10_000)] = 40
+    harder_acts: Annotated[int, within(1, 10_000), N] = 40
     """Acts that each of them sees at each grade of each difficulty."""
-    tries: Annotated[int, within(1, 1_000)] = 8
+    tries: Annotated[int, within(1, 1_000), N] = 8
     """Tries at each act."""
-    forward_model: ToRead | None = None
-    """A forward model that `imitate babble` left, for its body schema; a pilot babble otherwise."""
+    forward_model: Annotated[ToRead | None, written("FILE.nc", "a pilot babble")] = None
+    """A forward model that `imitate babble` left, for its body schema."""
 
     def check(self) -> None:
         """See `Options`."""

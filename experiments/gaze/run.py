@@ -35,7 +35,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
 from experiments.shared.judging import calibration_error
 from experiments.shared.kept import once
-from experiments.shared.progress import progress
+from experiments.shared.progress import part, progress
 from experiments.shared.tables import table
 from models.biclops.gaze import BALL_RADIUS, possible
 from models.robots import head_of
@@ -97,9 +97,10 @@ def _met(config: Config, naive: Watcher) -> tuple[Trials, Trials, Trials, Trials
             body, who, counts["clear"], rng, report=report, follow=lambda seen: infer(who, seen, TOYS).argmax(1)
         )
     with progress("a teacher with preferences") as report:
-        meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE, report=report)
-        with_likes = meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0))
-        close = meet(counts["pairs"], apart_deg=(5.7, 6.3))
+        meet = partial(run_trials, body, who, rng=rng, toys=PAIR, preference=PREFERENCE)
+        first = PREFERENCE_TRIALS / (PREFERENCE_TRIALS + counts["pairs"])
+        with_likes = meet(PREFERENCE_TRIALS, apart_deg=(15.0, 60.0), report=part(report, 0, first))
+        close = meet(counts["pairs"], apart_deg=(5.7, 6.3), report=part(report, first, 1))
     with progress("calibration") as report:
         many = run_trials(body, who, counts["calibration"], rng, apart_deg=(5.0, 180.0), report=report)
     with progress("covered eyes") as report:
@@ -140,7 +141,7 @@ def _eyes(config: Config) -> LookingMind:
         return mind
     body = nursery(config, config.seed)
     with progress("looking about") as report:
-        return learn_to_look(body, config.babbling_minutes, config.seed, lambda done, mind: report(done))
+        return learn_to_look(body, config.babbling_minutes, config.seed, report=report)
 
 
 def _pupil(config: Config) -> Watcher:

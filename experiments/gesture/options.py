@@ -6,11 +6,14 @@ from typing import Annotated, Literal
 from experiments.errors import ExperimentError
 from experiments.shared.options import (
     BABBLING_MINUTES,
+    DEMONSTRATION,
     BodyOptions,
     Demonstration,
     Film,
+    Flag,
     Minutes,
     MirrorOptions,
+    N,
     Selection,
     TableOptions,
     ToRead,
@@ -19,6 +22,7 @@ from experiments.shared.options import (
     must_stand,
     options,
     within,
+    written,
 )
 
 
@@ -27,40 +31,39 @@ class Config(BodyOptions, MirrorOptions, WatchingOptions, TableOptions):
     """Options of `imitate gesture`."""
 
     demonstration: Demonstration = "icub-wave"
-    """A built-in demonstration's name, or a file: .amc, .bvh (motion capture), .csv, .tsv, .txt or .npz (joint angles;
-    those not named rest), or .urdf (a robot that performs --motion)."""
-    motion: ToRead | None = None
+    """A demonstration that `imitate list` names, or a file: .amc, .bvh (motion capture), .csv, .tsv, .txt or .npz
+    (joint angles; those not named rest), or .urdf (a robot that performs --motion)."""
+    motion: Annotated[ToRead | None, written("FILE", "none")] = None
     """Joint angles (.csv, .tsv, .txt, .npz) that a .urdf teacher performs."""
     correspondence: Literal["learned", "ik"] = "learned"
     """How limb directions become own postures: learned in front of a mirror, or by inverse kinematics (the oracle)."""
     selection: Selection = "map"
-    """How an action is taken out of Eq. (1)'s posterior: mean, map or matching."""
-    attempts: Annotated[int, within(1, 1_000)] = 1
+    """How an action is taken out of Eq. (1)'s posterior."""
+    attempts: Annotated[int, within(1, 1_000), N] = 1
     """How often to try; each attempt corrects what the one before missed."""
     babbling_minutes: Minutes = BABBLING_MINUTES
     """Body-minutes of babbling in all: over all copies, the pilot counted."""
-    forward_model: ToRead | None = None
-    """A forward model that `imitate babble` left; no babbling then."""
-    body_image: ToRead | None = None
-    """A body image that `imitate correspondence` left; no mirror then."""
-    film: Film | None = None
+    forward_model: Annotated[ToRead | None, written("FILE.nc", "babbles anew")] = None
+    """A forward model that `imitate babble` left."""
+    body_image: Annotated[ToRead | None, written("FILE.nc", "looks into a mirror")] = None
+    """A body image that `imitate correspondence` left."""
+    film: Annotated[Film | None, written("{mp4,gif}", "no film")] = None
     """Also a film: the imitator, and a ghost where the demonstration has it otherwise; mp4 (extra `film`) or gif."""
-    stand: bool = False
+    stand: Flag = False
     """On its own feet: on a floor, free to fall. Balance is learned first, a minute or two, or taken."""
-    balance: ToRead | None = None
+    balance: Annotated[ToRead | None, written("FILE.nc", "learned anew")] = None
     """What `imitate babble --stand` left of balance."""
-    balance_weight: Annotated[float, within(0, 100)] = 4.0
+    balance_weight: Annotated[float, within(0, 100), written("EXPONENT")] = 4.0
     """Exponent of "stay balanced" beside "match the teacher" in Eq. (1); 0 leaves it out."""
-    speed: Annotated[float, within(0.2, 4)] = 1.0
+    speed: Annotated[float, within(0.2, 4), written("TIMES")] = 1.0
     """How many times as fast the movement is done on one's feet."""
-    push: Annotated[str | None, a_push] = None
-    """Somebody pushes the torso for a tenth of a second: "t,fx,fy,fz", seconds of the movement and newtons (forward,
-    left, up)."""
-    study: bool = False
+    push: Annotated[str | None, a_push, written("T,FX,FY,FZ", "nobody pushes")] = None
+    """Somebody pushes the torso for a tenth of a second: seconds of the movement, and newtons forward, left and up."""
+    study: Flag = False
     """With --stand: twenty individuals, faster, pushed, on slopes, laden, beside other ways to stand (ten minutes and
     more)."""
-    clips: tuple[Demonstration, ...] = ()
-    """Demonstrations of the study; none are the built-in ones."""
+    clips: Annotated[tuple[Demonstration, ...], written(f"{DEMONSTRATION} ...", "all that `imitate list` names")] = ()
+    """Demonstrations of the study."""
 
     def check(self) -> None:
         """See `Options`; and what goes together."""

@@ -1,6 +1,5 @@
 """HOAP-2 babbles, watches a movement, and reproduces it (chapter, stages 1 and 2; sections 3.1, 3.2, 3.5)."""
 
-import sys
 import time
 from dataclasses import replace
 from functools import partial
@@ -21,10 +20,10 @@ from experiments.shared.experiment import Result
 from experiments.shared.film import filmed
 from experiments.shared.held import given, held
 from experiments.shared.kept import once
-from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
+from experiments.shared.minds import REHEARSAL_S, Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
-from experiments.shared.progress import progress
+from experiments.shared.progress import part, progress, ticking
 from experiments.shared.tables import table
 from experiments.shared.trajectories import left
 from experiments.shared.watching import Seen, watch
@@ -90,13 +89,16 @@ def perform(config: Config) -> Performed:
     """
     learned, seen = prepare(config)
     body, mind = body_of(config, 1, stream=3), learned.mind
-    print("imitating ...", file=sys.stderr) if sys.stderr.isatty() else None
     attempted = partial(imitate, body, seen.movement, mind, witness=lambda: body.joint_angles)
     rng = np.random.default_rng([config.seed, 8])
-    attempts = attempted(selection=config.selection, attempts=config.attempts, rng=rng)
-    line = inverse_line(mind.forward_model)
-    eagerness = best_eagerness(body_of(config, REHEARSERS, stream=1), mind, line, config.seed)
-    peer = attempted(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
+    line, hung, ticks = inverse_line(mind.forward_model), body_of(config, REHEARSERS, stream=1), len(seen.angles)
+    with progress("imitating") as report:
+        with ticking(body, part(report, 0, 0.7), config.attempts * ticks):
+            attempts = attempted(selection=config.selection, attempts=config.attempts, rng=rng)
+        with ticking(hung, part(report, 0.7, 0.9), REHEARSAL_S / 3 / body.tick_s):
+            eagerness = best_eagerness(hung, mind, line, config.seed)
+        with ticking(body, part(report, 0.9, 1), ticks):
+            peer = attempted(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]
     return Performed(config, body, seen, learned, attempts, peer, direct_replay(body, seen.angles))
 
 

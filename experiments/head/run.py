@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from babbling.axes import FloatArray
 from babbling.files import save
 from babbling.mind import Mind, learn
+from babbling.pilot import pilot_minutes
 from experiments.head.alone import from_memory, nobody
 from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
@@ -24,7 +25,7 @@ from experiments.shared.eyes import open_eyes, reach_of
 from experiments.shared.judging import rmse_deg
 from experiments.shared.kept import once
 from experiments.shared.minds import people_say
-from experiments.shared.progress import progress
+from experiments.shared.progress import Report, progress, ticking
 from experiments.shared.tables import table
 from experiments.shared.trajectories import left
 from imitation.deferred import HeadMemory
@@ -55,8 +56,8 @@ def run(config: Config) -> Result:
         return nobody(config, looked)
     with progress("the caregiver mirrors") as report:
         appearance = once(caregiver.lesson, config, config.lessons, config.seed, config.distance, report=report)
-    with progress("babbling with the neck"):
-        mind = once(_babbled, config)
+    with progress("babbling with the neck") as report:
+        mind = once(_babbled, config, report=report)
     with progress("watching") as report:
         sequences, paths, strays = _watch(config, report) if config.distractor else once(_watch, config, report=report)
     kept: dict[str, list[Kept]] = {}
@@ -89,9 +90,10 @@ def _search(config: Config) -> Search:
     return caregiver.search(body, float(np.deg2rad(config.start_pan_deg)), config.search_s)
 
 
-def _babbled(config: Config) -> Mind:
+def _babbled(config: Config, report: Report) -> Mind:
     neck = watching_body(config.robot, copies=MIND_COPIES, scramble=config.scramble)
-    return learn(neck, minutes=config.babbling_minutes, seed=config.seed)
+    with ticking(neck, report, (pilot_minutes(MIND_COPIES) + config.babbling_minutes) * 60 / neck.tick_s / MIND_COPIES):
+        return learn(neck, minutes=config.babbling_minutes, seed=config.seed)
 
 
 def _watch(config: Config, report: Any) -> tuple[Sequences, list[FloatArray], Strays | None]:

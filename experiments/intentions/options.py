@@ -3,7 +3,7 @@
 from typing import Annotated, Literal
 
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, Selection, ToRead, one_of, options, within
+from experiments.shared.options import Category, Flag, N, Options, ToRead, choices, one_of, options, within, written
 
 CONDITIONS = {
     **dict.fromkeys(
@@ -15,49 +15,49 @@ CONDITIONS = {
     **dict.fromkeys(("intended", "accidental"), ("dumbbell", "cup")),
 }
 """Conditions, and the objects each is run with: Meltzoff's five (1995), the one that is too large, the light panel."""
+OBJECT = choices(dict.fromkeys(name for names in CONDITIONS.values() for name in names))
 
 
 @options
 class Config(Options):
     """Options of `imitate intentions`."""
 
-    condition: Annotated[str, one_of("condition", CONDITIONS)] = "failed"
+    condition: Annotated[str, one_of("condition", CONDITIONS), written(choices(CONDITIONS))] = "failed"
     """What is shown: target (the act succeeds), failed (it does not), failed_unlooked (by somebody who never looks up),
     baseline (nothing), manipulation (other acts), device_failed, device_success, outsized (an adult's hands slip off a
     large dumbbell), outsized_baseline, head_free, head_bound, head_none, intended or accidental (two effects, one by
     accident)."""
-    object: str = ""
-    """With what; none named is the first of those that go with the condition."""
-    play: ToRead | None = None
-    """What the children learned in play (`imitate play`); without one they play for 38 body-minutes first."""
-    memory: ToRead | None = None
-    """What was inferred before (`memory.nc` of an earlier run), instead of being shown anything: a day later."""
-    child: Annotated[int | None, within(0, 10_000)] = None
-    """Which of the children that played watches, with nothing but its own experience; none named is one with the
-    experience of all of them."""
-    shown: Annotated[int, within(1, 20)] = 3
+    object: Annotated[str, written(OBJECT, "the first that goes with the condition")] = ""
+    """With what."""
+    play: Annotated[ToRead | None, written("FILE.nc", "they play for 38 body-minutes first")] = None
+    """What the children learned in play (`imitate play`)."""
+    memory: Annotated[ToRead | None, written("FILE.nc", "is shown the condition")] = None
+    """What was inferred before, a day later: `memory.nc` of an earlier run."""
+    child: Annotated[int | None, within(0, 10_000), written("N", "one with the experience of all of them")] = None
+    """Which of the children that played watches, with nothing but its own experience."""
+    shown: Annotated[int, within(1, 20), N] = 3
     """How often it is shown."""
-    acts: Annotated[int, within(1, 20)] = 3
+    acts: Annotated[int, within(1, 20), N] = 3
     """Acts that there is time for."""
-    gives_up: Annotated[float, within(0, 1)] = 0.1
+    gives_up: Annotated[float, within(0, 1), written("PROBABILITY")] = 0.1
     """P(somebody stops | the goal is not reached)."""
-    own_weight: Annotated[float, within(0, 1000, above=True)] = 0.1
+    own_weight: Annotated[float, within(0, 1000, above=True), written("WEIGHT")] = 0.1
     """How much one's own play weighs in what one wants, against one effect that was just seen."""
     reads: Literal["adult", "itself"] = "adult"
     """Whether the other is taken to have an adult's hands, for which a large thing is not large, or one's own."""
-    wants: tuple[str, ...] = ()
-    """P(goal) instead of that of one's own play: STATE=WEIGHT (`--wants apart=1 up=2`); what is not named is 0."""
-    selection: Selection = "matching"
-    """How goals and actions are drawn: map or matching."""
-    workers: Annotated[int, within(1, 256)] = 2
+    wants: Annotated[tuple[str, ...], written("STATE=WEIGHT ...", "as one's own play was")] = ()
+    """P(goal), such as `--wants apart=1 up=2`; what is not named is 0."""
+    selection: Category = "matching"
+    """How goals and actions are drawn."""
+    workers: Annotated[int, within(1, 256), N] = 2
     """Processes; the result does not depend on it."""
-    study: bool = False
+    study: Flag = False
     """Every condition, over agents and plays, beside two peers (minutes)."""
-    sensitivity: bool = False
+    sensitivity: Flag = False
     """With --study: once more for every parameter that is not learned (minutes)."""
-    plays: tuple[ToRead, ...] = ()
-    """Independent plays to study; none named is --play's alone."""
-    agents: Annotated[int, within(1, 10_000)] = 200
+    plays: Annotated[tuple[ToRead, ...], written("FILE.nc ...", "--play's alone")] = ()
+    """Independent plays to study."""
+    agents: Annotated[int, within(1, 10_000), N] = 200
     """Agents of the study, shared out over the plays; no more than children played."""
 
     @property

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal
 
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, Selection, ToRead, one_of, options, within
+from experiments.shared.options import Category, Flag, M, N, Options, ToRead, choices, one_of, options, within, written
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 
@@ -14,32 +14,31 @@ CONDITIONS = ("live", "week", "room", "television", "peer", "none", "handled")
 class Config(Options):
     """Options of `imitate objects`."""
 
-    object: Annotated[str, one_of("object", TOYS)] = "panel"
-    """What the act is done with: dumbbell, wide-dumbbell, outsized, panel, box, loop, square or cup."""
-    act: Annotated[str, one_of("act", NAMES)] = "press with the head"
-    """What the teacher does: pull, spread, push together, squeeze, lift with both, press, press with the head, press
-    the other, hold, lift, carry, carry and push, sweep."""
+    object: Annotated[str, one_of("object", TOYS), written(choices(TOYS))] = "panel"
+    """What the act is done with."""
+    act: Annotated[str, one_of("act", NAMES), written(choices(NAMES))] = "press with the head"
+    """What the teacher does."""
     condition: Literal["live", "week", "room", "television", "peer", "none", "handled"] = "live"
     """How it is seen: live from across the table; a week before, recalled in a new process; in another room (place of
     the eyes, height of the table); on television (one image, no depth); done by a smaller peer; not at all; only
     handled."""
     seeing: Literal["points", "pixels"] = "points"
     """How the teacher is seen: as points with 3 mm of noise, or on images of two cameras (one for television)."""
-    play: ToRead | None = None
-    """What the imitator learned in play (`imitate play`); without one it plays for 38 body-minutes first."""
-    further_m: Annotated[float, within(-0.05, 0.5, "m")] = 0.0
-    """How much further away the object stands than usual, m."""
-    acts: Annotated[int, within(1, 20)] = 3
+    play: Annotated[ToRead | None, written("FILE.nc", "plays for 38 body-minutes first")] = None
+    """What the imitator learned in play (`imitate play`)."""
+    further_m: Annotated[float, within(-0.05, 0.5, "m"), M] = 0.0
+    """How much further away the object stands than usual."""
+    acts: Annotated[int, within(1, 20), N] = 3
     """Acts that there is time for."""
-    selection: Selection = "matching"
-    """How an action is chosen from its posterior: map or matching."""
-    workers: Annotated[int, within(1, 256)] = 2
+    selection: Category = "matching"
+    """How an action is chosen from its posterior."""
+    workers: Annotated[int, within(1, 256), N] = 2
     """Processes; the result does not depend on it."""
-    study: bool = False
+    study: Flag = False
     """Every figure over agents and plays (minutes)."""
-    plays: tuple[ToRead, ...] = ()
-    """Independent plays to study (`imitate play --seed 0`, 1, ...); none named is --play's alone."""
-    agents: Annotated[int, within(2, 10_000)] = 200
+    plays: Annotated[tuple[ToRead, ...], written("FILE.nc ...", "--play's alone")] = ()
+    """Independent plays to study (`imitate play --seed 0`, 1, ...)."""
+    agents: Annotated[int, within(2, 10_000), N] = 200
     """Agents of the study, shared out over the plays."""
 
     def check(self) -> None:

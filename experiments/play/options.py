@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
-
 from experiments.errors import ExperimentError
-from experiments.shared.options import Minutes, Options, ToRead, options, within
+from experiments.shared.options import Minutes, N, Options, ToRead, choices, options, within, written
+from models.objects import TOYS
 
 PLAY_MINUTES = 300.0
+THINGS = f"{choices(TOYS)}[:busy] ..."
 
 
 @options
@@ -17,20 +17,19 @@ class Config(Options):
 
     minutes: Minutes = PLAY_MINUTES
     """Body-minutes of play, over all children that play at once; a file that holds fewer goes on."""
-    things: tuple[str, ...] = ()
-    """What to play with (`imitate play --things loop cup`); none named is dumbbell, outsized, panel, panel:busy, box,
-    loop and cup, `busy` being hands that are bound."""
+    things: Annotated[tuple[str, ...], written(THINGS, "dumbbell outsized panel panel:busy box loop cup")] = ()
+    """What to play with, `busy` being hands that are bound."""
     seeing: Literal["points", "pixels"] = "points"
     """How things are seen: as points with 3 mm of noise, or by one's own two retinas, which one first learns to use by
     watching one's hands; a file that is gone on with keeps its own way."""
-    forward_model: ToRead | None = None
-    """Mind that `imitate babble --robot hoap2-seated` left, instead of babbling."""
-    merge: tuple[ToRead, ...] = ()
-    """Plays to be added up, instead of playing: exactly as if one child had played it all."""
-    workers: Annotated[int, within(1, 256)] = 2
+    forward_model: Annotated[ToRead | None, written("FILE.nc", "babbles anew")] = None
+    """Mind that `imitate babble --robot hoap2-seated` left."""
+    merge: Annotated[tuple[ToRead, ...], written("FILE.nc FILE.nc ...", "plays, or plays on")] = ()
+    """Plays to be added up: exactly as if one child had played it all."""
+    workers: Annotated[int, within(1, 256), N] = 2
     """Processes; the result does not depend on it."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The file (runs/play.nc); mind, image of hands and head, table and figure are left beside it."""
+    out: Annotated[Path | None, written("FILE.nc", "runs/play.nc")] = None
+    """The file; mind, image of hands and head, table and figure are left beside it."""
 
     def check(self) -> None:
         """See `Options`."""

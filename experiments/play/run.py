@@ -1,5 +1,6 @@
 """Children play with things at a table and leave what they learned in a file; interrupted, the same command goes on."""
 
+import shlex
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -58,7 +59,7 @@ def command(config: Config) -> Path:
     ]
     show(table(rows))
     left = ", ".join(file.name for file in others(out) if file.exists())
-    print(f"\nwritten to {out} (and {left} beside it)")
+    print(f"\nwritten to {out} (and {left} beside it)\nto use it: imitate objects --play {shlex.quote(str(out))}")
     return out
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import tyro
 
 from experiments.errors import ExperimentError
-from experiments.shared.options import Options, known, options
+from experiments.shared.options import ROBOT, Flag, Options, known, options, written
 from models.robots import find as find_robot
 
 
@@ -22,11 +22,11 @@ def a_new_csv(option: str, path: Path) -> None:
 class Config(Options):
     """Options of `imitate robot`."""
 
-    robot: Annotated[str, known(find_robot), tyro.conf.Positional, tyro.conf.arg(metavar="ROBOT")] = "hoap2"
-    """A registered robot, or the path of an MJCF."""
-    servos: bool = False
+    robot: Annotated[str, known(find_robot), tyro.conf.Positional, written(f"[{ROBOT}]")] = "hoap2"
+    """A robot that `imitate list` names, or the path of an MJCF."""
+    servos: Flag = False
     """Give motors that know only torques, or speeds, position servos, as `imitate gesture --servos` does."""
-    template: Annotated[Path | None, a_new_csv, tyro.conf.arg(metavar="FILE.csv")] = None
+    template: Annotated[Path | None, a_new_csv, written("FILE.csv", "none")] = None
     """Also a gentle movement of every joint, out and back, that this robot can be shown: a start for one's own."""
 
     def check(self) -> None:

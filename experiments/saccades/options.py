@@ -1,6 +1,6 @@
 """Options of `imitate saccades`."""
 
-from experiments.shared.options import EyeOptions, Minutes, Selection, options
+from experiments.shared.options import EyeOptions, Flag, Minutes, Selection, options
 
 
 @options
@@ -10,6 +10,6 @@ class Config(EyeOptions):
     babbling_minutes: Minutes = 30.0
     """Body-minutes of random saccades, over all heads; the pilot's come on top."""
     selection: Selection = "mean"
-    """Selection rule on Eq. (1)'s posterior: mean, map or matching."""
-    study: bool = False
+    """Selection rule on Eq. (1)'s posterior."""
+    study: Flag = False
     """Many trials instead of a few."""

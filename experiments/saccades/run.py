@@ -17,7 +17,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.eyes import COPIES, TOYS, learn_to_look, nursery, toy_places
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import EyeOptions
-from experiments.shared.progress import progress
+from experiments.shared.progress import part, progress
 from experiments.shared.tables import table
 from imitation.gaze.fixation import Fixation
 from models.onlooker import onlook
@@ -53,7 +53,6 @@ def run(config: Config) -> Result:
 
         def learned(done: float, mind: LookingMind) -> None:
             nonlocal unseen
-            report(0.8 * done)
             if unseen is None:
                 unseen = trials.unseen_saccades(mind, other, tests, seed)
             if done >= marks[len(points)] - 1e-9 or not points:
@@ -61,11 +60,11 @@ def run(config: Config) -> Result:
                 points.append((mind.minutes + mind.pilot.minutes, table, line))
 
         notes: list[Transitions] = []
-        mind = learn_to_look(body, config.babbling_minutes, seed, learned, notes)
+        mind = learn_to_look(body, config.babbling_minutes, seed, learned, notes, part(report, 0, 0.8))
         babble_s = time.perf_counter() - start
         assert unseen is not None
         speed = body.images_per_second()
-        fixated = trials.fixate(mind, other, rounds, selection, seed, lambda done: report(0.8 + 0.2 * done))
+        fixated = trials.fixate(mind, other, rounds, selection, seed, part(report, 0.8, 1))
     curve = LearningCurve(*np.array(points).T)
     glances = tour(mind, config, selection, seed)
     errors, copy = unseen.error(expected(mind, unseen)), unseen.error(expected(mind, unseen, table=False))

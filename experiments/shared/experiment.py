@@ -19,6 +19,7 @@ from babbling.files import is_kind
 from babbling.whole import folder_beside, sweep, whole
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
+from experiments.shared.progress import progress
 from experiments.shared.provenance import MAKES_NO_DIFFERENCE, provenance
 from experiments.shared.report import draw, page
 from experiments.stopping import say
@@ -69,19 +70,21 @@ def publish(name: str, config: Options, result: Result) -> Path:
     """
     shown = folder(name, config)
     check_out(shown)
-    with writing(shown), whole(shown.resolve()) as beside:
+    with writing(shown), whole(shown.resolve()) as beside, progress("drawing and writing") as report:
         beside.mkdir()
         try:
             (beside / "metrics.json").write_text(as_json(result.metrics))
-            for stem, figure in result.figures.items():
+            for number, (stem, figure) in enumerate(result.figures.items(), 1):
                 draw(figure, beside / f"{stem}.png")
+                report(0.5 * number / len(result.figures))
             for file, write in result.files.items():
                 write(beside / file)
             told = provenance(name, config)
             if result.record is not None:
                 copy_context().run(_recorded, result.record, beside / "recording.rrd", told, result.metrics)
-            report = page(name, config, result.summary, result.figures, beside, told)
-            (beside / "report.html").write_text(report, encoding="utf-8")
+            report(0.7)
+            html = page(name, config, result.summary, result.figures, beside, told)
+            (beside / "report.html").write_text(html, encoding="utf-8")
         except BabblingError as error:  # a writer's, of a place that nobody knows
             raise ExperimentError(str(error).replace(str(beside), str(shown))) from error
         files = sorted(["config.json", *(file.name for file in beside.iterdir())])

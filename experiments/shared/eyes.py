@@ -7,9 +7,11 @@ import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.forward_model import ForwardModel
-from babbling.looking import LookingMind, LookingPilot, Reach, pilot_looking
+from babbling.looking import PILOT_TICKS, LookingMind, LookingPilot, Reach, pilot_looking
 from babbling.loop import Transitions, babble, bouts
+from babbling.pilot import REST_S, SETTLE_S, WIRING_S
 from experiments.shared.options import EyeOptions
+from experiments.shared.progress import Report, ticking
 from imitation.seeing.features import COLOURS
 from imitation.seeing.finding import Finder
 from models.biclops.room import Ball
@@ -116,6 +118,7 @@ def learn_to_look(
     seed: int,
     after_bout: Callable[[float, LookingMind], None] | None = None,
     notes: list[Transitions] | None = None,
+    report: Report = lambda done: None,
 ) -> LookingMind:
     """Pilot and so many body-minutes of saccades; with `notes`, their transitions are kept there too.
 
@@ -124,7 +127,9 @@ def learn_to_look(
     """
     plan = bouts(minutes, body, BOUT)
     reach, line = reach_of(body.robot), body.wiring.sense  # of pan and of tilt; told by sense line, as ranges are
-    found = pilot_looking(body, Reach(reach.low[line], reach.high[line], reach.largest[line]), seed)
+    first = round((SETTLE_S + REST_S + WIRING_S) / body.tick_s) + PILOT_TICKS
+    with ticking(body, report, first + sum(plan)):
+        found = pilot_looking(body, Reach(reach.low[line], reach.high[line], reach.largest[line]), seed)
     done = np.cumsum(plan) * body.tick_s * body.copies / 60
 
     def told(bout: int, model: ForwardModel) -> None:
@@ -132,5 +137,6 @@ def learn_to_look(
             after_bout(bout / len(plan), LookingMind(found, model, float(done[bout - 1])))
 
     babbler = found if notes is None else _Noting(**vars(found), notes=notes)
-    model = babble(body, babbler, plan, seed, after_bout=told)
+    with ticking(body, report, first + sum(plan), first):
+        model = babble(body, babbler, plan, seed, after_bout=told)
     return LookingMind(found, model, float(done[-1]))

@@ -18,6 +18,7 @@ from babbling.pilot import Pilot, begin, pilot_minutes
 from experiments.errors import ExperimentError
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
+from experiments.shared.progress import part, ticking
 from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, rehearse
 from imitation.inference.moving import CANDIDATES
 from models.body import SimulatedBody
@@ -30,6 +31,8 @@ round (6 s) does; but no sooner than so many times what keeping took last (0.2 s
 COPIES, PILOT_SHARE = 8, 0.6
 """Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
+REHEARSAL_S, REHEARSAL_COST = 37.2, 4.4
+"""For progress alone: how long rehearsing moves a body, and what a tick of it costs in ticks of babbling."""
 
 
 def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody:
@@ -134,8 +137,12 @@ def learn_mind(
     plan = bouts(more, body) if more * 60 > body.tick_s * copies else ()
     kept, cost_s = (clock := time.perf_counter()), 0.0
     left = _left(checkpoint, body, options, minutes, plan)
+    piloting, rehearsing = pilot_minutes(1) * 60 / body.tick_s, REHEARSAL_S / body.tick_s
+    whole = piloting + sum(plan) + REHEARSAL_COST * rehearsing
+    before, babbled = piloting / whole, (piloting + sum(plan)) / whole
     if left is None:
-        found, model = begin(body, options.seed)
+        with ticking(body, part(report, 0, before), piloting):
+            found, model = begin(body, options.seed)
         first, rehearsed, (piloted, spent) = 0, list[FloatArray](), (time.perf_counter() - clock, 1e-9)
     else:
         found, model, first = left.mind.pilot, left.mind.forward_model, left.bouts_done
@@ -159,7 +166,6 @@ def learn_mind(
         spent += time.perf_counter() - clock
         held_out.note(sum(plan[:done]) * copies * body.tick_s / 60, model)
         keep(done, EVERY_S if done < len(plan) else EVERY_S * 0.7)
-        report(0.95 * done / len(plan))
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
 
@@ -171,11 +177,13 @@ def learn_mind(
     keep(first, EVERY_S)
     body.reseed(1 + first)
     clock = time.perf_counter()
-    babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    with ticking(body, part(report, before, babbled), sum(plan), sum(plan[:first])):
+        babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     if not held_out.points:  # the pilot is all there is
         held_out.note(0.0, model)
     rehearsers = body_of(options, REHEARSERS, stream=1)
-    mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)
+    with ticking(rehearsers, part(report, babbled, 1), rehearsing):
+        mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)
     report(1.0)
     ticks, curve = sum(plan), held_out.curve()
     metrics = {

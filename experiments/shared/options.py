@@ -3,22 +3,26 @@
 What stands here and in every `experiments/NAME/options.py` is light to load: help and refusals are quick.
 """
 
-from collections.abc import Callable, Collection
+import ast
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from importlib.util import find_spec
-from inspect import get_annotations
+from inspect import get_annotations, getsource
+from itertools import islice, pairwise
 from math import inf
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, TypeVar, dataclass_transform, get_args, get_type_hints
 
 import tyro
 
 from babbling.errors import unknown
 from experiments.errors import ExperimentError
-from imitation.inference.selection import selection_rule
+from imitation.inference.selection import SELECTION, selection_rule
 from models.files import checked
 from models.robots import ROBOTS, head_of
 from models.robots import find as find_robot
+from models.teachers.demonstrations import DEMONSTRATIONS
 from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 12.333
@@ -103,13 +107,44 @@ def a_film(option: str, kind: str) -> None:
         )
 
 
-Demonstration = Annotated[str, known(find_demonstration)]
+def choices(names: Iterable[str], most: int = 20) -> str:
+    """Names as help shows them; beyond so many, dots."""
+    first = [f'"{name}"' if " " in name else name for name in islice(names, most + 1)]
+    return "{" + ",".join(first if len(first) <= most else [*first[:most], "..."]) + "}"
+
+
+def written(metavar: str, default: str | None = None) -> Any:
+    """How help shows an option: what stands for its value, and in words what holds without it; "" says nothing."""
+    return tyro.conf.arg(metavar=metavar, help_behavior_hint=f"(default: {default})" if default else default)
+
+
+DEG, M, N, S = map(written, ("DEG", "METRES", "N", "SECONDS"))
+"""How help shows numbers: their unit, or a count."""
+DEMONSTRATION, ROBOT = f"{choices(DEMONSTRATIONS, 2)}|FILE", f"{choices(ROBOTS, 2)}|FILE.xml"
+Demonstration = Annotated[str, known(find_demonstration), written(DEMONSTRATION)]
 Film = Annotated[Literal["mp4", "gif"], a_film]
-Minutes = Annotated[float, within(0, LONGEST_MINUTES, above=True)]
-Robot = Annotated[str, known(find_robot)]
-Seed = Annotated[int, within(0, LARGEST_SEED)]
-Selection = Annotated[str, known(selection_rule)]
+Flag = Annotated[bool, tyro.conf.arg(help_behavior_hint="(default: no)")]
+Minutes = Annotated[float, within(0, LONGEST_MINUTES, above=True), written("MINUTES")]
+Robot = Annotated[str, known(find_robot), written(ROBOT)]
+Seed = Annotated[int, within(0, LARGEST_SEED), written("SEED")]
+Selection = Annotated[str, known(selection_rule), written(choices(SELECTION))]
+Category = Annotated[str, known(selection_rule), written(choices(name for name in SELECTION if name != "mean"))]
+"""A selection rule for actions that are categories and have no mean."""
 ToRead = Annotated[Path, file]
+
+
+def explained(kind: type) -> dict[str, str]:
+    """Field -> the docstring under it as one line, lest help breaks where the source does; {} without a source."""
+    try:
+        [whole] = ast.parse(getsource(kind)).body
+    except OSError:
+        return {}
+    assert isinstance(whole, ast.ClassDef)
+    lines = dict[str, str]()
+    for field, line in pairwise(whole.body):
+        if isinstance(field, ast.AnnAssign) and isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant):
+            lines[ast.unparse(field.target)] = " ".join(str(line.value.value).split())
+    return lines
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -119,6 +154,8 @@ def options(kind: type[Kind]) -> type[Kind]:
     first = {name: number for number, base in enumerate(kind.__mro__) for name in get_annotations(base)}
     entries = vars(made)["__dataclass_fields__"].items()
     made.__dataclass_fields__ = dict(sorted(entries, key=lambda entry: first[entry[0]]))  # type: ignore[attr-defined]
+    for name, line in explained(kind).items():
+        made.__dataclass_fields__[name].metadata = MappingProxyType({"help": line})  # type: ignore[attr-defined]
     return made
 
 
@@ -151,9 +188,9 @@ class Options:
 
     seed: Seed = 0
     """Seed of everything random."""
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder for the results; default runs/NAME."""
-    quiet: bool = False
+    out: Annotated[Path | None, written("DIR", "runs/ and the name of the command")] = None
+    """Folder for the results."""
+    quiet: Flag = False
     """No progress, remarks or tables: only where the results are."""
 
     def check(self) -> None:
@@ -169,7 +206,7 @@ class Options:
 class TableOptions(Options):
     """What is left of movements besides trajectories.nc."""
 
-    csv: bool = False
+    csv: Flag = False
     """Also trajectories.csv: a row for every attempt, time and joint."""
 
 
@@ -177,9 +214,9 @@ class TableOptions(Options):
 class WiredOptions(Options):
     """A body whose wiring is learned."""
 
-    scramble: Seed | None = None
+    scramble: Annotated[Seed | None, written("SEED", "wired straight")] = None
     """Seed of an unknown wiring between mind and body."""
-    threads: Annotated[int, within(1, 256)] = 2
+    threads: Annotated[int, within(1, 256), N] = 2
     """Worker threads; the result does not depend on it."""
 
 
@@ -188,12 +225,11 @@ class BodyOptions(WiredOptions):
     """Which body, and what it feels like."""
 
     robot: Robot = "hoap2"
-    """hoap2, hoap2-worn (-backlash, -spring, -payload, -hysteresis, -seated), or the path of an MJCF with position
-    actuators."""
-    servos: bool = False
+    """A robot that `imitate list` names, or the path of an MJCF with position actuators."""
+    servos: Flag = False
     """Give motors that know only torques, or speeds, position servos: of 8 Hz and damping ratio 0.9 by their joints'
     inertia, their torque limits kept."""
-    sensor_noise_deg: Annotated[float, within(0, 30, "degrees")] = 0.0
+    sensor_noise_deg: Annotated[float, within(0, 30, "degrees"), DEG] = 0.0
     """Standard deviation of every angle sense, degrees."""
 
 
@@ -201,19 +237,18 @@ class BodyOptions(WiredOptions):
 class WatchingOptions(Options):
     """Watching movements that people bring."""
 
-    unit: Literal["rad", "deg"] | None = None
-    """Unit of the joint angles in a demonstration's file, whatever it declares; without it, what it declares, or
-    radians."""
+    unit: Annotated[Literal["rad", "deg"] | None, written("{rad,deg}", "what it declares, or radians")] = None
+    """Unit of the joint angles in a demonstration's file, whatever it declares."""
 
 
 @options
 class MirrorOptions(WiredOptions):
     """How well one sees, and how long one looks into the mirror."""
 
-    seeing_noise_deg: Annotated[float, within(0, 30, "degrees")] = 0.0
+    seeing_noise_deg: Annotated[float, within(0, 30, "degrees"), DEG] = 0.0
     """Standard deviation of every seen direction across the line of sight, degrees: in the mirror and of the teacher;
     for the learned correspondence."""
-    mirror_minutes: Annotated[float, within(0, 600, above=True)] = MIRROR_MINUTES
+    mirror_minutes: Annotated[float, within(0, 600, above=True), written("MINUTES")] = MIRROR_MINUTES
     """Body-minutes in front of the mirror."""
     parts: Literal["named", "unnamed"] = "named"
     """Whether a teacher's parts come under the names of one's own, or shuffled and without names: then only which of
@@ -224,21 +259,23 @@ class MirrorOptions(WiredOptions):
 class EyeOptions(Options):
     """How the eyes see."""
 
-    robot: Annotated[str, known(head_of)] = "biclops"
-    """biclops or hoap2."""
-    scramble: Seed | None = None
+    robot: Annotated[str, known(head_of), written(choices(name for name, one in ROBOTS.items() if one.head))] = (
+        "biclops"
+    )
+    """Whose head."""
+    scramble: Annotated[Seed | None, written("SEED", "wired straight")] = None
     """Seed of an unknown wiring between mind and neck."""
-    squint: Seed | None = None
+    squint: Annotated[Seed | None, written("SEED", "parallel")] = None
     """Seed of how the eyes stand out of parallel: toed in by 1 to 3 deg each, up to 1 deg nodded and rolled."""
-    noise: Annotated[float, within(0, 1, "of full scale")] = 0.02
+    noise: Annotated[float, within(0, 1, "of full scale"), written("SHARE")] = 0.02
     """Pixel noise, standard deviation as a share of full scale."""
-    width: Annotated[int, within(8, 2048, "pixels")] = 160
+    width: Annotated[int, within(8, 2048, "pixels"), written("PIXELS")] = 160
     """Pixels of each retina, across."""
-    height: Annotated[int, within(8, 2048, "pixels")] = 120
+    height: Annotated[int, within(8, 2048, "pixels"), written("PIXELS")] = 120
     """Pixels of each retina, down."""
-    blur: Annotated[float, within(0, 20, "pixels")] = 0.0
+    blur: Annotated[float, within(0, 20, "pixels"), written("PIXELS")] = 0.0
     """Standard deviation of a blur, pixels."""
-    fovy_deg: Annotated[float, within(1, 150, "degrees")] | None = None
-    """Vertical field of view; None is the robot's own."""
+    fovy_deg: Annotated[Annotated[float, within(1, 150, "degrees")] | None, written("DEG", "the robot's own")] = None
+    """Vertical field of view, degrees."""
     renderer: Literal["rays", "mujoco"] = "rays"
     """rays (no graphics needed) or mujoco (EGL or OSMesa)."""

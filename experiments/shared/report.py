@@ -5,6 +5,7 @@ Markdown without HTML of their own.
 """
 
 import base64
+import io
 import shlex
 from collections.abc import Mapping
 from dataclasses import fields
@@ -25,8 +26,8 @@ from experiments.shared.options import Options
 from experiments.shared.palette import DARK
 
 FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
-LETTERS = 14.5
-"""Of a caption, to an inch."""
+DPI, LETTERS = 130, 14.5
+"""Pixels of a figure, and letters of a caption, to an inch."""
 FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
 
 
@@ -44,14 +45,11 @@ def page(
         name: of the experiment.
         config: its options.
         summary: Markdown.
-        figures: file stem -> figure, as `draw` left it in the folder.
-        folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
+        figures: file stem -> figure.
+        folder: where the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
     """
-    drawn = [
-        {"stem": stem, "caption": figure.get_label(), "data": _inline(folder / f"{stem}.png")}
-        for stem, figure in figures.items()
-    ]
+    drawn = [{"stem": stem, "caption": figure.get_label(), "data": bare(figure)} for stem, figure in figures.items()]
     films = [
         {"kind": FILMS[file.suffix], "caption": FILMED, "data": _inline(file)}
         for file in sorted(folder.glob("film.*"))
@@ -73,8 +71,16 @@ def page(
 def draw(figure: Figure, path: Path) -> None:
     """Write a figure, its caption (its label) under it."""
     lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
-    figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
-    figure.savefig(path, dpi=130, bbox_inches="tight")
+    caption = figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
+    figure.savefig(path, dpi=DPI, bbox_inches="tight")
+    caption.remove()
+
+
+def bare(figure: Figure) -> str:
+    """A figure without its caption, which stands under it as text."""
+    png = io.BytesIO()
+    figure.savefig(png, format="png", dpi=DPI, bbox_inches="tight")
+    return base64.b64encode(png.getvalue()).decode()
 
 
 def command(name: str, config: Options) -> str:

@@ -90,7 +90,9 @@ def rehearse(
         if number < len(known):
             errors = known[number]
         else:
-            errors = felt_errors(body, mind, AveragedInverse.of(replace(mind, temper=other), candidates=candidates), seed)
+            errors = felt_errors(
+                body, mind, AveragedInverse.of(replace(mind, temper=other), candidates=candidates), seed
+            )
             after(errors)
         chosen = calmest(errors)
         best = errors[chosen, np.arange(len(chosen))]

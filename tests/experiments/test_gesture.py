@@ -1,7 +1,10 @@
 """`imitate gesture` as a user runs it: every number in metrics.json can be had again from the recording."""
 
+import io
 import json
+import shlex
 import shutil
+from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
@@ -48,10 +51,24 @@ def gesture(arm: Path, wave: Path, out: Path, *more: str) -> dict[str, object]:
 
 
 @pytest.fixture(scope="module")
-def done(arm: Path, wave: Path, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("gesture") / "result"
-    gesture(arm, wave, out, "--attempts", "2", "--threads", "1", "--seed", "3")
-    return out
+def told(arm: Path, wave: Path, hasty: None, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """A run, and its last line."""
+    out, said = tmp_path_factory.mktemp("gesture") / "result", io.StringIO()
+    with redirect_stdout(said):
+        gesture(arm, wave, out, "--attempts", "2", "--threads", "1", "--seed", "3")
+    return out, said.getvalue().splitlines()[-1]
+
+
+@pytest.fixture(scope="module")
+def done(told: tuple[Path, str]) -> Path:
+    return told[0]
+
+
+def test_the_last_line_opens_what_was_made(told: tuple[Path, str]) -> None:
+    way, page = told[1].removeprefix("to open it: ").split("; ")
+    viewer, recording = shlex.split(way)
+    assert shutil.which(viewer) and Path(recording) == told[0] / "recording.rrd" and Path(recording).exists()
+    assert shlex.split(page.removesuffix(" in a browser")) == [str(told[0] / "report.html")]
 
 
 def metrics(out: Path) -> dict[str, object]:

@@ -14,7 +14,7 @@ from PIL import Image
 from experiments.command_line import parse
 from experiments.registry import EXPERIMENTS
 from experiments.shared.options import Options
-from experiments.shared.report import command, page
+from experiments.shared.report import command, draw, page
 
 PROVENANCE = {"project": "1", "commit": "abc", "versions": {"numpy": "2"}}
 
@@ -42,7 +42,7 @@ class Read(HTMLParser):
 
 
 def figure() -> Figure:
-    drawn = Figure(figsize=(2, 1))
+    drawn = Figure(figsize=(2, 1), layout="constrained")
     drawn.subplots().plot([0, 1])
     drawn.set_label("What <is> & what is shown.")
     return drawn
@@ -50,7 +50,7 @@ def figure() -> Figure:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    figure().savefig(tmp_path / "it.png", dpi=20)
+    draw(figure(), tmp_path / "it.png")
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / "film.gif")
     (tmp_path / "metrics.json").write_text('{"a": "<b>"}')
     return tmp_path
@@ -73,12 +73,15 @@ def test_everything_is_in_the_one_file(folder: Path) -> None:
     assert not [tag for tag, _ in found.tags if tag in ("script", "link", "iframe", "object")]
     pictures = [attributes["src"] or "" for tag, attributes in found.tags if tag == "img"]
     sizes = [Image.open(io.BytesIO(base64.b64decode(one.partition(",")[2]))).size for one in pictures]
-    assert sizes == [(4, 4), Image.open(folder / "it.png").size]
+    (_, drawn), (wide, high) = sizes, Image.open(folder / "it.png").size
+    assert sizes[0] == (4, 4) and drawn[1] < high - 20 and drawn[0] <= wide  # its caption is text
 
 
 def test_words_are_as_they_were_and_tables_are_tables(folder: Path) -> None:
     found = made(folder, "# Found <script>x</script>\n\n| a | b |\n| --- | --- |\n| 1 | <i>2</i> |")
     said = "".join(found.words)
+    assert found.words.count("What <is> & what is shown.") == 1
+    assert [tag for tag, _ in found.tags].count("figcaption") == 2  # the film has one too
     assert "What <is> & what is shown." in [attributes.get("alt") for tag, attributes in found.tags if tag == "img"]
     assert "Found <script>x</script>" in said and '{"a": "<b>"}' in said
     assert [tag for tag, _ in found.tags if tag in ("table", "th", "td", "i", "script")] == [
