@@ -65,7 +65,7 @@ class Config(WatchingOptions):
     attempts: Annotated[int, within(1, 1_000)] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
     curve: bool = False
-    """Also errors after 2.3 (the pilot alone) to 100 body-minutes, on ideal and worn bodies: much longer."""
+    """Also errors after 0.3 to 100 body-minutes, on ideal and worn bodies: much longer."""
     keep: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Folder in which every life stays that was lived: other benchmarks with the same lives take them from there."""
     workers: Annotated[int, within(1, 64)] = 2
