@@ -13,6 +13,7 @@ world is not a line the table does. Lines are conjugate Gaussian, the table is D
 integers, so what was learned apart is merged by adding.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, NamedTuple
@@ -102,8 +103,16 @@ class Explanations:
 
     # ---------------------------------------------------------------- learning
 
-    def observe(self, columns: FloatArray, outcome: FloatArray, *, foretell: bool = True) -> None:
-        """Foretell, then count: (N, F, COLUMNS + 2 F) and (N, F), in the order in which they happened."""
+    def observe(
+        self,
+        columns: FloatArray,
+        outcome: FloatArray,
+        *,
+        foretell: bool = True,
+        after_block: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Foretell, then count: (N, F, COLUMNS + 2 F) and (N, F), in the order in which they happened; whoever looks on
+        (`after_block`) does so between two blocks, where all is consistent."""
         start = 0
         while start < len(outcome):
             size = max(BLOCK, int(self.sums.samples.min()) // 4)
@@ -115,6 +124,7 @@ class Explanations:
             self.table.observe((rate,), effort, w - (x[..., :_OWN] * self.frame.line).sum(-1))
             self._forget()
             start += size
+            after_block()
 
     def _foretell(self, columns: FloatArray, outcome: FloatArray) -> None:
         error = (outcome[..., None] - self.foretold_by(columns)) ** 2

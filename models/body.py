@@ -253,11 +253,18 @@ class SimulatedBody:
         """(..., S) sense lines as they would read at joint angles (..., M); all else is NaN (not seen)."""
         return self.senses.vector({"angle": angles})
 
-    def _feel(self) -> FloatArray:
+    @property
+    def truth(self) -> FloatArray:
+        """(B, S) what senses without noise, in parts of a pulse, would read now; for those who judge."""
+        return self.senses.vector(self._true())
+
+    def _true(self) -> dict[str, FloatArray]:
         speeds = self._read(self.batch.qvel, self._dof, self.model.jnt_dofadr)
         true = {"angle": self.joint_angles, "speed": speeds}
-        true |= {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
-        return self.senses.vector({name: self.senses[name].measured(v, self._rng) for name, v in true.items()})
+        return true | {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
+
+    def _feel(self) -> FloatArray:
+        return self.senses.vector({n: self.senses[n].measured(true, self._rng) for n, true in self._true().items()})
 
     def _check(self, warnings: NDArray[np.int32]) -> None:
         """(B, kinds) warnings that the last tick added."""

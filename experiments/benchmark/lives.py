@@ -40,6 +40,8 @@ class Task(NamedTuple):
     """Minutes of babbling after which everyone imitates, ascending."""
     attempts: int = 1
     costs: bool = False
+    copies: int = COPIES
+    """How many babble at once; the fewer, the sooner their pilot is over."""
 
 
 @dataclass
@@ -59,7 +61,7 @@ class Point:
 def live(task: Task) -> list[Point]:
     """Pilot and babble; at every stop, everyone imitates."""
     options, points, done, before = body_options(task.body, task.seed), list[Point](), 0, 0.0
-    body = body_of(options, COPIES)
+    body = body_of(options, task.copies)
     runs = list[tuple[FloatArray, FloatArray]]()
     found, model = begin(body, task.seed, lambda *run: runs.append(run))
     lived = [Steps.lived(found, *run) for run in runs]

@@ -76,7 +76,7 @@ class Config(WatchingOptions):
     attempts: Annotated[int, within(1, 1_000), N] = 1
     """Attempts of the averaged model; from 5 on, the error of the fifth is told."""
     curve: Flag = False
-    """Also errors after 2.3 (the pilot alone) to 100 body-minutes, on ideal and worn bodies: much longer."""
+    """Also errors after 0.3 to 100 body-minutes, on ideal and worn bodies: much longer."""
     keep: Annotated[Path | None, written("DIR", "they are not kept")] = None
     """Folder in which every life stays that was lived: other benchmarks with the same lives take them from there."""
     workers: Annotated[int, within(1, 64), N] = 2

@@ -19,7 +19,7 @@ from experiments.benchmark.options import CURVE, LEARNERS, PEERS, Config, body_o
 from experiments.errors import ExperimentError
 from experiments.shared.experiment import Result
 from experiments.shared.kept import keeping
-from experiments.shared.minds import COPIES, body_of
+from experiments.shared.minds import COPIES, body_of, copies_for
 from experiments.shared.parallel import in_parallel
 from experiments.shared.progress import progress
 from experiments.shared.tables import table
@@ -32,7 +32,9 @@ except ImportError:
     resource = None
 
 GROWING = (0.0, 2 / 3, 8 / 3, 23 / 3, 53 / 3, 143 / 3, 293 / 3)
-"""Minutes of babbling after which the curve has points; the first is the pilot alone (HOAP-2 is not found in less)."""
+"""Minutes of babbling after which the curve has points; the first is the pilot alone."""
+EARLY = (0.3, 0.5, 1.0)
+"""Body-minutes in all, the pilot's counted, of the points before: other lives, of as few bodies as have time for it."""
 CURVE_BODIES = ("ideal", "worn")
 RESAMPLES = 2000
 
@@ -57,7 +59,12 @@ def run(config: Config) -> Result:
         for seed in seeds
     ]
     tasks[0] = tasks[0]._replace(costs=True)
-    growing = [task(body, seed, models=CURVE, stops=GROWING) for body in CURVE_BODIES for seed in seeds]
+    growing = [
+        task(body, seed, models=CURVE, stops=stops, copies=copies)
+        for body in CURVE_BODIES
+        for seed in seeds
+        for copies, stops in growths()
+    ]
     with keeping(config.keep, stays=True) if config.keep is not None else nullcontext():
         lives = in_parallel(live, tasks, config.workers, "living")
         grown = in_parallel(live, growing if config.curve else [], config.workers, "living")
@@ -71,6 +78,12 @@ def run(config: Config) -> Result:
     maze = maze_benchmark.rows(peers=config.peers, seed=config.seed)
     metrics |= maze_benchmark.metrics(maze)
     return Result(metrics, summarise(metrics, maze), figures.drawn(metrics))
+
+
+def growths() -> list[tuple[int, tuple[float, ...]]]:
+    """Copies and stops of the lives that the curve is made of, the shortest first."""
+    early = [(copies_for(minutes), minutes) for minutes in EARLY]
+    return [*((n, (minutes - pilot_minutes(n),)) for n, minutes in early), (COPIES, GROWING)]
 
 
 def peak_memory_mb() -> float:
@@ -129,7 +142,11 @@ def curves(tasks: Sequence[Task], lives: Sequence[Sequence[Point]]) -> dict[str,
     clips."""
     found: dict[str, dict[str, Any]] = {}
     for body in dict.fromkeys(task.body for task in tasks):
-        mine = [life for task, life in zip(tasks, lives, strict=True) if task.body == body]
+        by_seed: dict[int, list[Point]] = {}
+        for task, life in zip(tasks, lives, strict=True):
+            if task.body == body:
+                by_seed.setdefault(task.seed, []).extend(life)
+        mine = by_seed.values()
         at = [list(points) for points in zip(*mine, strict=True)]
         found["curve" if body == CURVE_BODIES[0] else f"curve_{body}"] = {
             name: [[same[0].minutes for same in at], [[float(np.mean(p.errors[name])) for p in same] for same in at]]

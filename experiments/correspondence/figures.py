@@ -88,7 +88,7 @@ def mirror_curve(done: Studied) -> Figure:
         ("in front of the mirror [body-minutes]", "limb-direction error [deg]"),
         f"{done.shown.performance.name}: how long must one look into the mirror?",
         ("inverse kinematics", done.shown.error_deg(done.shown.oracle)),
-        log=True,
+        log="xy",
     )
     figure.axes[0].set_xticks(minutes, [f"{m:.2g}" for m in minutes])
     return figure

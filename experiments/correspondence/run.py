@@ -1,5 +1,6 @@
 """Whose body is this? A mirror, organ identification, and everybody's movements in one's own limbs (2.2, 3.2, 3.5)."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +20,7 @@ from experiments.correspondence.options import Config
 from experiments.correspondence.recording import record
 from experiments.shared import minds
 from experiments.shared.experiment import Result
+from experiments.shared.judging import Sweep
 from experiments.shared.kept import once
 from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
@@ -71,7 +73,7 @@ def run(config: Config) -> Result:
         harder = harder_acts(organs, config.harder_acts, body.tick_s, config.seed, report)
     done = Studied(config, clean, noisy, rows, shown, curve, hidden, acts, harder)
     metrics = measure(done)
-    summary = summarise(metrics, rows)
+    summary = summarise(metrics, rows, done.harder)
     labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
     files = {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)}
     return Result(metrics, summary, figures(done), lambda path: record(path, done, summary), files)
@@ -167,7 +169,7 @@ def measure(done: Studied) -> dict[str, Any]:
     }
 
 
-def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
+def summarise(metrics: dict[str, Any], rows: dict[str, Row], found: Mapping[str, Sweep]) -> str:
     """The result as a markdown table, with a line before and after it."""
     shown = [
         (
@@ -176,12 +178,14 @@ def summarise(metrics: dict[str, Any], rows: dict[str, Row]) -> str:
         )
         for name, row in rows.items()
     ]
-    harder = []
-    for name, one in metrics["organ_harder"].items():
-        gaps = (
-            f"{100 * mean:+.1f} ({100 * low:.1f} to {100 * high:.1f})" for mean, low, high in one["beyond"].values()
+    harder = [
+        (
+            HARDER[name][0],
+            " ".join(f"{100 * r:.0f}" for r in sweep.right[:, 0].mean(0)) + " %",
+            *(gap for _, gap in sweep.told()),
         )
-        harder.append((HARDER[name][0], " ".join(f"{100 * r:.0f}" for r in one[RULES[0]]["right"]) + " %", *gaps))
+        for name, sweep in found.items()
+    ]
     return (
         f"**Whose body is this?** {metrics['mirror_body_minutes']:.1f} body-minutes in front of a mirror, "
         f"{metrics['organ_identification_rate']:.1%} of single acts put to the right part\n\n"

@@ -10,7 +10,7 @@ from experiments.face.judging import ORGAN_SHOWN
 from experiments.face.study import TRIES, Studied
 from experiments.face.theories import GESTURES, LABELS, SAID
 from experiments.face.watching import TIMES_S
-from experiments.shared.judging import calibration_error, interval_95
+from experiments.shared.judging import calibration_error, interval_95, more_often
 
 NEAR: Final = 0.03
 """Share of the range that is as good as the same."""
@@ -57,6 +57,10 @@ def metrics(found: Studied) -> dict[str, Any]:
         )
     told: dict[str, Any] = {name: share for name, (share, _) in rates.items()}
     told |= {f"{name}_interval": interval for name, (_, interval) in rates.items()}
+    simply, day = np.equal(usual.peers[0], ORGAN_SHOWN[usual.gesture]), found.day[:, -1] == some.gesture.ravel()
+    for strength, of in (("", usual.strong), ("_weak", ~usual.strong)):
+        told[f"organ_beyond_largest_change{strength}"] = more_often(usual.right[of], simply[of]).numbers
+    told["less_after_day"] = more_often((some.labels[..., -1] == some.gesture).ravel(), day).numbers
     return told | {
         "organ_calibration_error": error,
         "organ_calibration": bins,
@@ -165,6 +169,13 @@ def told(m: dict[str, Any]) -> list[tuple[str, str]]:
             "organ right, tilted by 20 degrees, strong / weak",
             f"{m['tilted']:.1%} / {m['organ_accuracy_weak_tilted']:.1%}",
         ),
+        *(
+            (
+                f"organ right more often than by the largest change, {strength}",
+                m[f"organ_beyond_largest_change{of}"]["said"],
+            )
+            for strength, of in (("strong", ""), ("weak", "_weak"))
+        ),
         ("P(organ): calibration error", f"{m['organ_calibration_error']:.3f}"),
         (f"does the same at try {TRIES}, strong / weak", f"{share('strong_accuracy')} / {share('weak_accuracy')}"),
         (
@@ -180,6 +191,7 @@ def told(m: dict[str, Any]) -> list[tuple[str, str]]:
         ),
         ("does the same at once / after a pacifier", f"{share('at_once')} / {share('after_pacifier')}"),
         ("at once / a day later, of some", f"{m['at_once_of_those_after_day']:.1%} / {m['after_day']:.1%}"),
+        ("does it less often a day later than at once", m["less_after_day"]["said"]),
         ("adults of other proportions, strong", share("strong_accuracy_other_proportions")),
         ("own motors found, permuted", f"{m['motors_found_scrambled']:.1%}"),
     ]

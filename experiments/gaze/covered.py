@@ -9,7 +9,7 @@ import numpy as np
 from babbling.axes import Axis
 from experiments.gaze.infer import infer
 from experiments.gaze.trials import TOYS, Trials, Watcher, run_trials
-from experiments.shared.judging import alike, difference, interval_95
+from experiments.shared.judging import Verdict, alike, difference, interval_95, oftener, within
 from imitation.gaze.reader import EyeLore
 from imitation.inference.selection import select_matching
 from imitation.seeing.finding import Finder
@@ -23,6 +23,8 @@ OPEN_LOOKS = 200
 MARGIN = 0.19
 """Rates that differ by less are alike: the difference that 32 infants a group (Meltzoff and Brooks 2008) would have had
 one chance in three of telling from none, (1.96 - .43) sqrt(2 / 4 / 32) ("small telescopes", Simonsohn 2015)."""
+Z90 = 1.6448536269514722
+"""Standard errors to either side of a 90 % interval."""
 AGES = {"12 months": (), "14 and 18 months": ("opaque",)}
 """What has lain over an infant's eyes by itself: nothing yet, or blankets and its own hands."""
 TRAINING = {"before": None, "after an opaque blindfold": "opaque", "after a see-through one": "see_through"}
@@ -59,16 +61,18 @@ def covered_eyes(
     through18 = rates["14 and 18 months, after a see-through one"]
     blind, free = ((before12[cloth]["hits"], count) for cloth in ("blindfold", "headband"))
     (gap, error), apart = difference(blind, free), alike(blind, free, MARGIN)
+    ends = gap - Z90 * error, gap + Z90 * error
+    signs = {
+        "12 months: blindfold and headband alike": within(*ends, count, MARGIN),
+        "14 and 18 months: headband above blindfold": _above(before18["headband"], before18["blindfold"]),
+        "12 months: less after an opaque blindfold": _above(before12["blindfold"], opaque12["blindfold"]),
+        "18 months: more after a see-through one": _above(through18["blindfold"], before18["blindfold"]),
+    }
     return {
-        "equivalence": {"margin": MARGIN, "p": apart, "interval_90": [gap - 1.645 * error, gap + 1.645 * error]},
+        "equivalence": {"margin": MARGIN, "p": apart, "interval_90": ends},
         "rates": rates,
         "chance": 1 / len(TOYS),
-        "signs": {
-            "12 months: blindfold and headband alike": apart < 0.05,
-            "14 and 18 months: headband above blindfold": _above(before18["headband"], before18["blindfold"]),
-            "12 months: less after an opaque blindfold": _above(before12["blindfold"], opaque12["blindfold"]),
-            "18 months: more after a see-through one": _above(through18["blindfold"], before18["blindfold"]),
-        },
+        "signs": {name: verdict.numbers for name, verdict in signs.items()},
     }
 
 
@@ -85,7 +89,5 @@ def _followed(who: Watcher, trials: Trials, lore: EyeLore, rng: np.random.Genera
     }
 
 
-def _above(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether one rate lies above another by 1.96 standard errors of the difference."""
-    gap, error = difference((one["hits"], one["n"]), (other["hits"], other["n"]))
-    return gap > 1.96 * error
+def _above(one: dict[str, Any], other: dict[str, Any]) -> Verdict:
+    return oftener((one["hits"], one["n"]), (other["hits"], other["n"]))

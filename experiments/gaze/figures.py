@@ -78,7 +78,7 @@ def calibration(bins: FloatArray, error: float) -> Figure:
 
 @captioned(
     "How often the imitator looks where the head of a teacher with covered eyes points, by its age and what "
-    "it has worn itself; intervals are exact (95 %)."
+    "it has worn itself; intervals are exact (95 %). Above: what follows of it, where that many looks can tell."
 )
 def covered(result: dict[str, Any]) -> Figure:
     """Following of teachers with covered eyes, by age and own experience."""
@@ -87,4 +87,5 @@ def covered(result: dict[str, Any]) -> Figure:
     for cloth in ("blindfold", "headband"):
         found = {kind: [one[cloth][kind] for one in result["rates"].values()] for kind in ("rate", "interval_95")}
         panels[f"teacher wears a {cloth}"] = {"rate and 95 % interval": {"who": names, **found}}
-    return rates(panels, ("", "looks where the teacher's head points"), ("chance", result["chance"]), line="")
+    told = "\n".join(f"{sign}: {verdict['said']}" for sign, verdict in result["signs"].items())
+    return rates(panels, ("", "looks where the teacher's head points"), ("chance", result["chance"]), told, line="")

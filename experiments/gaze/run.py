@@ -33,7 +33,7 @@ from experiments.gaze.trials import (
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.experiment import Result
 from experiments.shared.eyes import learn_to_look, nursery
-from experiments.shared.judging import calibration_error
+from experiments.shared.judging import calibration_error, more_often
 from experiments.shared.kept import once
 from experiments.shared.progress import part, progress
 from experiments.shared.tables import table
@@ -77,7 +77,7 @@ def run(config: Config) -> Result:
     shown_episode = episode(who, layout, config.target, config.seed)
     found = Found(who, clear_trials, clear, alone, preferred, likes, bins, error, covered, shown_episode, close_by)
     metrics = _metrics(config, found)
-    summary = _summary(metrics)
+    summary = _summary(metrics, found)
     labels = {"motor": head_of(config.robot).motors}
     files = {"eyes.nc": lambda path: save(mind, path, labels, robot=config.robot, seed=config.seed)}
     recorded = partial(record, robot=config.robot, one=found.episode, summary=summary, seed=config.seed)
@@ -152,8 +152,6 @@ def _pupil(config: Config) -> Watcher:
 
 def _metrics(config: Config, found: Found) -> dict[str, Any]:
     looked, gaze = found.trials.looked, found.who.gaze
-    gain = found.preferred.astype(float) - found.alone.astype(float)
-    half = 1.96 * gain.std(ddof=1) / np.sqrt(len(gain))
     prior = found.likes.prior(PAIR, np.ones(2))
     return {
         "robot": config.robot,
@@ -162,11 +160,11 @@ def _metrics(config: Config, found: Found) -> dict[str, Any]:
         "gaze_accuracy": float((looked[:, 0] == found.trials.target).mean()),
         "gaze_inferred_accuracy": float(found.clear.mean()),
         "gaze_looked_px": float(np.nanmedian(looked[:, 1])),
-        "gaze_ambiguous_trials": len(gain),
+        "gaze_ambiguous_trials": len(found.alone),
         "gaze_accuracy_ambiguous_alone": float(found.alone.mean()),
         "gaze_accuracy_ambiguous_with_preferences": float(found.preferred.mean()),
-        "gaze_preference_margin": float(gain.mean()),
-        "gaze_preference_margin_95": [float(gain.mean() - half), float(gain.mean() + half)],
+        "gaze_preference_margin": float(found.preferred.mean() - found.alone.mean()),
+        "gaze_preferences_help": more_often(found.preferred, found.alone).numbers,
         "gaze_learned_preference": float(prior[1]),
         "gaze_calibration_trials": int(found.calibration[:, 2].sum()),
         "gaze_calibration_error": found.calibration_error,
@@ -179,26 +177,23 @@ def _metrics(config: Config, found: Found) -> dict[str, Any]:
     }
 
 
-def _summary(metrics: dict[str, Any]) -> str:
-    m, low_high = metrics, metrics["gaze_preference_margin_95"]
-    rates, alike = m["gaze_blindfold"]["rates"], m["gaze_blindfold"]["equivalence"]
+def _summary(metrics: dict[str, Any], found: Found) -> str:
+    m, rates, signs = metrics, metrics["gaze_blindfold"]["rates"], metrics["gaze_blindfold"]["signs"]
     rows = [
         (f"looked at the right one of 4 toys, {m['gaze_trials']} trials", f"{m['gaze_accuracy']:.1%}"),
         ("how far from the middle", f"{m['gaze_looked_px']:.2f} px"),
         (f"{m['gaze_ambiguous_trials']} pairs 6 deg apart, gaze alone", f"{m['gaze_accuracy_ambiguous_alone']:.1%}"),
         ("with learned preferences", f"{m['gaze_accuracy_ambiguous_with_preferences']:.1%}"),
-        ("more by, 95 %", " to ".join(f"{share:+.1%}" for share in low_high)),
+        ("preferences help", m["gaze_preferences_help"]["said"]),
         (f"calibration error, {m['gaze_calibration_trials']} trials", f"{m['gaze_calibration_error']:.3f}"),
         *(
             (f"followed, {name}", ", ".join(f"{cloth} {one['rate']:.0%}" for cloth, one in row.items()))
             for name, row in rates.items()
         ),
-        (f"blindfold and headband within {alike['margin']:.0%} at 12 months", f"p = {alike['p']:.2g}"),
+        *((name, sign["said"]) for name, sign in signs.items()),
     ]
-    for name, sweep in m.get("gaze_crowds", {}).items():
-        gaps = (
-            f"{100 * m:+.1f} ({100 * a:.1f} to {100 * b:.1f}) on {rule}" for rule, (m, a, b) in sweep["beyond"].items()
-        )
+    for name, sweep in found.crowds.sweeps.items() if found.crowds else ():
+        gaps = (f"{gap} on {rule}" for rule, gap in sweep.told())
         less = m["gaze_crowds_less_log_loss"][name].items()
         loss = ", ".join(f"{m:.3f} ± {half:.3f} than {who}" for who, (m, half) in less)
         rows.append((f"beads, {name}", f"points: {'; '.join(gaps)}. Log loss less by {loss}"))

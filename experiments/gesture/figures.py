@@ -14,6 +14,7 @@ from experiments.shared.figures import captioned, learning_curve
 from experiments.shared.judging import LearningCurve
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
+DECADE = 10.0
 REACH = 6.0
 """Standard deviations to either side of where a posterior lies."""
 
@@ -248,15 +249,25 @@ def body_schema(done: Performed) -> Figure:
 
 
 @captioned(
-    "Error of predicting the posture one tick ahead, on babbling that was held out, against body time. The "
-    "line is the least-squares fit of the same experience: where both meet, tables add nothing."
+    "Error of predicting the posture one tick ahead, on babbling that was held out, against body time (the pilot "
+    "counts; before its end, on the axes that all of it found). The line is the least-squares fit of the same "
+    "experience. Floor: what the simulator itself would miss, told the true state, as noise and pulses of the next "
+    "senses cannot be foretold."
 )
-def babbling_curve(curve: LearningCurve, floor: tuple[float, float] | None = None) -> Figure:
-    """Held-out prediction error against body time; `floor` is (minutes, degrees) of a far longer babble."""
-    return learning_curve(
+def babbling_curve(curve: LearningCurve) -> Figure:
+    """Held-out prediction error against body time, with the line's and the floor; the end of the pilot is marked."""
+    floor = curve.floor or None  # senses without noise have none
+    drawn = [*curve.table, *curve.line, *([floor] if floor else [])]
+    figure = learning_curve(
         curve.minutes,
         {"average of explanations": curve.table, "least-squares line, same experience": curve.line},
-        ("babbling [body-minutes]", f"error of predicted posture, one tick ahead [{curve.unit}]"),
+        ("body-minutes, pilot included", f"error of predicted posture, one tick ahead [{curve.unit}]"),
         "Learning curve on held-out babbling",
-        None if floor is None else (f"table after {floor[0]:.0f} body-minutes", floor[1]),
+        None if floor is None else (f"floor, the senses' own: {floor:.2g} {curve.unit}", floor),
+        log="xy" if max(drawn) > DECADE * min(drawn) else "x",
     )
+    if curve.piloted is not None:
+        axes = figure.axes[0]
+        axes.axvline(curve.piloted, color=PLAIN, lw=0.8, ls=":")
+        axes.text(curve.piloted, 0.02, " end of the pilot", transform=axes.get_xaxis_transform(), fontsize=8)
+    return figure

@@ -40,6 +40,7 @@ def _of(done: Performed, columns: Any, shown: str, scale: float) -> dict[str, An
     errors = {who: scale * angles[:, columns] - wanted for who, angles in reached.items()}
     own, moving = errors["joint"], np.ptp(wanted, axis=0) > MOVES
     joints, by_joint, rings = [done.body.joints[j] for j in columns], np.sqrt(np.mean(own**2, axis=0)), ringing(own)
+    sent = ringing(errors["direct_replay"])
     way = last.way[:, 0, done.factors][:, columns]
     return {
         **{f"{who}_rmse_{shown}": float(np.sqrt(np.mean(error**2))) for who, error in errors.items()},
@@ -50,6 +51,9 @@ def _of(done: Performed, columns: Any, shown: str, scale: float) -> dict[str, An
         f"moving_joints_rmse_{shown}": float(np.sqrt(np.mean(own[:, moving] ** 2))) if moving.any() else 0.0,
         f"ringing_{shown}": float(np.median(rings)),
         f"ringing_worst_{shown}": float(rings.max()),
+        f"ringing_{shown}_by_joint": dict(zip(joints, rings.tolist(), strict=True)),
+        f"direct_replay_ringing_{shown}": float(np.median(sent)),
+        f"direct_replay_ringing_worst_{shown}": float(sent.max()),
         f"approach_error_{shown}": scale * rmse(last.approach[:, 0][:, columns], way),
         f"attempts_rmse_{shown}": [rmse(scale * one.truth[:, 0][:, columns], wanted) for one in done.attempts],
     }
@@ -66,4 +70,19 @@ def joint_rows(metrics: dict[str, Any]) -> list[tuple[str, str]]:
                 worst = metrics.get("worst_slide" if of else "worst_joint")
                 said = f"{line} ({worst})" if name == "worst_joint" else line
                 rows.append((said + of, f"{first:.4f} {shown}"))
+        if metrics.get(f"ringing_{shown}") is not None:
+            rows += ringing_rows(metrics, shown, of)
     return rows
+
+
+def ringing_rows(metrics: dict[str, Any], shown: str, of: str) -> list[tuple[str, str]]:
+    """How far errors shake, peak to peak: of the median joint, and of the worst one."""
+    each = metrics[f"ringing_{shown}_by_joint"]
+    rows = (("median of joints", "ringing"), (f"worst joint ({max(each, key=each.get)})", "ringing_worst"))
+    return [
+        (
+            f"ringing, peak to peak, {who}; direct replay's{of}",
+            f"{metrics[f'{name}_{shown}']:.4f}; {metrics[f'direct_replay_{name}_{shown}']:.4f} {shown}",
+        )
+        for who, name in rows
+    ]

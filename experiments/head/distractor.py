@@ -10,7 +10,7 @@ from scipy.stats import bootstrap
 
 from babbling.axes import FloatArray
 from experiments.shared.caregiver import FACE, FRAME_S, NUMBERS
-from experiments.shared.judging import rmse_deg
+from experiments.shared.judging import Verdict, over_learners_above_zero, rmse_deg
 from experiments.shared.palette import CYCLE, PLAIN, THEIRS
 from experiments.shared.tables import table
 from imitation.seeing.features import COLOURS, find_features
@@ -23,6 +23,8 @@ from models.biclops.room import FACE_PREFIX, TEACHER, Ball
 from models.robots import EYE_HEIGHT
 from models.seeing_body import SeeingBody
 
+IMITATED = "kalman"
+"""The way of tracking that is imitated from where things of the face's colours are about; all are measured."""
 PARTS = ("nose", "left_eye", "right_eye", "left_ear", "right_ear")
 """Parts of a face, in the order of `FACE`."""
 BALLS = tuple(Ball(f"stray_{colour}", (0.4, 2.0, 0.2), COLOURS[colour], 0.011) for colour in FACE)
@@ -150,7 +152,15 @@ class Crossed:
             )
         found = ("rmse_deg", "interval_95_deg", "feature_rmse_px", "wrong_share", "told_share")
         columns = (dict(zip(rows, column, strict=True)) for column in zip(*rows.values(), strict=True))
-        return {f"distractor_{what}": column for what, column in zip(found, columns, strict=True)}
+        metrics = {f"distractor_{what}": column for what, column in zip(found, columns, strict=True)}
+        return metrics | {"distractor_closer": {name: v.numbers for name, v in self.closer.items()}}
+
+    @property
+    def closer(self) -> dict[str, Verdict]:
+        """Whether the way that is imitated from is closer to the true pose than each other way, over sequences."""
+        missed = self.sequence_deg
+        others = missed.keys() - {IMITATED} if IMITATED in missed else ()
+        return {name: over_learners_above_zero(missed[name] - missed[IMITATED]) for name in sorted(others)}
 
     def _interval(self, each: FloatArray) -> FloatArray | None:
         if len(each) < 3:
@@ -162,7 +172,7 @@ class Crossed:
     @property
     def summary(self) -> str:
         """Markdown."""
-        pose, interval, px, wrong, told = self.metrics.values()
+        pose, interval, px, wrong, told, _ = self.metrics.values()
         rows = [
             (
                 name,
@@ -170,10 +180,18 @@ class Crossed:
                 + ("" if interval[name] is None else f" ({interval[name][0]:.3f} to {interval[name][1]:.3f})"),
                 *(("-", "-") if px[name] is None else (f"{px[name]:.2f}", f"{100 * wrong[name]:.1f}")),
                 f"{100 * told[name]:.0f}",
+                self.closer[name].told("+.3f") if name in self.closer else "",
             )
             for name in self.kept
         ]
-        header = ("tracking", "pose, deg RMS", "features, px RMS", "wrong thing, %", "told, %")
+        header = (
+            "tracking",
+            "pose, deg RMS",
+            "features, px RMS",
+            "wrong thing, %",
+            "told, %",
+            f"{IMITATED} closer, deg",
+        )
         return f"\n## Things of the face's colours cross the view\n\n{table(rows, header)}\n"
 
 

@@ -12,7 +12,7 @@ from babbling.files import save
 from babbling.mind import Mind, learn
 from babbling.pilot import pilot_minutes
 from experiments.head.alone import from_memory, nobody
-from experiments.head.distractor import BALLS, Crossed, Kept, Strays, keep_all
+from experiments.head.distractor import BALLS, IMITATED, Crossed, Kept, Strays, keep_all
 from experiments.head.figures import figures
 from experiments.head.found import Found, Imitation
 from experiments.head.options import Config
@@ -37,8 +37,6 @@ STUDY_SEQUENCES = 20
 MIND_COPIES = 32
 BEFORE = 0.5
 """Share of the way to the teacher at which the card passes."""
-IMITATED = "kalman"
-"""The way of tracking that is imitated from where things of the face's colours are about; all are measured."""
 
 
 def run(config: Config) -> Result:

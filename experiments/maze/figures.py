@@ -11,6 +11,7 @@ from experiments.maze.learning import Convergence
 from experiments.maze.mind import places_of
 from experiments.shared.figures import captioned
 from experiments.shared.figures import learning_curve as draw_curve
+from experiments.shared.palette import PLAIN
 from imitation.inference.intent import in_blocks
 from models.maze import ACTIONS, STEPS, TRUE_DYNAMICS
 
@@ -150,21 +151,23 @@ def figure_7(done: Found) -> Figure:
 
 
 @captioned(
-    "How far the learned forward model is from the true one (total variation), against wandering and against "
-    "visits. The bound is the expectation for so many throws of a die: single runs scatter about it on either "
-    "side."
+    "How far the learned forward model is from the true one (total variation), against wandering and against visits. "
+    "The broken line is no limit but an expectation, for so many throws of a die: 95 % of runs that only count lie in "
+    "the band about it."
 )
 def learning_curve(curve: Convergence) -> Figure:
-    """Total variation of the learned rows against wandering steps and against counted visits, with the bound."""
+    """Total variation of the learned rows against wandering steps and against counted visits, with what counting is
+    expected to give and its band."""
     wide = len(curve.per_visit) >= 3
     figure = Figure(figsize=(10.5 if wide else 6, 4.4), layout="constrained")
     axes = figure.add_subplot(1, 2 if wide else 1, 1)
-    lines = {"learned rows": curve.tv, "multinomial bound": curve.bound}
+    lines = {"learned rows": curve.tv, "expected of counting (multinomial)": curve.bound}
+    axes.fill_between(curve.steps, *curve.band, color=PLAIN, alpha=0.3, lw=0, label="95 % of runs that count")
     labels = ("wandering steps", "mean total variation per row")
-    draw_curve(curve.steps.astype(float), lines, labels, log=True, onto=axes)
+    draw_curve(curve.steps.astype(float), lines, labels, log="xy", onto=axes)
     if wide:
         visits, tv = curve.per_visit.T
         lines = {f"rows, slope {curve.slope:.3f}": tv, "slope -1/2": tv[0] * np.sqrt(visits[0] / visits)}
         labels, beside = ("counted visits of the row", labels[1]), figure.add_subplot(1, 2, 2, sharey=axes)
-        draw_curve(visits, lines, labels, log=True, onto=beside)
+        draw_curve(visits, lines, labels, log="xy", onto=beside)
     return figure

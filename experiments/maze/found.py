@@ -77,7 +77,12 @@ class Found:
             },
             "learning_curve": None
             if curve is None
-            else {"steps": curve.steps, "forward_model_tv": curve.tv, "forward_model_tv_bound": curve.bound},
+            else {
+                "steps": curve.steps,
+                "forward_model_tv": curve.tv,
+                "forward_model_tv_bound": curve.bound,
+                "forward_model_tv_band_95": curve.band.T,
+            },
             "imitation": {
                 "goal": goal,
                 "selection": self.config.selection,

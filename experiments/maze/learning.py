@@ -11,6 +11,9 @@ from experiments.maze.mind import CHECKPOINTS, WANDERING, outings, wanderer
 from experiments.shared.progress import Report
 from models.maze import TRUE_DYNAMICS, Maze, MazeBody
 
+RUNS, BAND = 400, 31
+"""Runs that are drawn for the band, and their stream of randomness."""
+
 
 @dataclass(frozen=True, eq=False)
 class Convergence:
@@ -20,7 +23,9 @@ class Convergence:
     tv: FloatArray
     """Mean total variation between learned and true rows."""
     bound: FloatArray
-    """Mean of what counting as many draws of the true rows is expected to be off."""
+    """Mean of what counting as many draws of the true rows is expected to be off: an expectation, not a limit."""
+    band: FloatArray
+    """(2, N) between which 95 % of such means lie, row by row counted from as many draws of the truth."""
     per_visit: FloatArray
     """(N, 2) visits and total variation, averaged over rows with about as many visits."""
 
@@ -37,6 +42,13 @@ def expected_distance(truth: FloatArray, visits: FloatArray) -> FloatArray:
     Law, for many draws: 1/2 sum_j sqrt(2 p_j (1 - p_j) / (pi n)), the mean absolute deviation of a binomial each.
     """
     return np.asarray(0.5 * np.sqrt(2 * truth * (1 - truth) / np.pi).sum(-1) / np.sqrt(visits))
+
+
+def scatter(truth: FloatArray, visits: IntArray, rng: np.random.Generator, runs: int = RUNS) -> FloatArray:
+    """(2,) ends of 95 % of the mean TV over R rows of `truth` (R, O), each counted from its `visits` (R,) draws: by
+    drawing them anew, multinomially."""
+    counted = rng.multinomial(visits, truth, (runs, len(visits))) / visits[:, None]
+    return np.asarray(np.quantile((np.abs(counted - truth).sum(-1) / 2).mean(-1), (0.025, 0.975)))
 
 
 def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> tuple[ForwardModel, Convergence]:
@@ -60,12 +72,14 @@ def walkers(maze: Maze, steps: int, seed: int, copies: int, report: Report) -> t
             return
         tv = np.abs(model.predictive - TRUE_DYNAMICS).sum(-1) / 2
         bound = expected_distance(TRUE_DYNAMICS, np.where(tried, visits, 1.0))
-        points.append((now, tv[tried].mean(), bound[tried].mean()))
+        truth = np.broadcast_to(TRUE_DYNAMICS, (*visits.shape, TRUE_DYNAMICS.shape[-1]))[tried]
+        band = scatter(truth, visits[tried].astype(int), np.random.default_rng([seed, BAND, int(now)]))
+        points.append((now, tv[tried].mean(), bound[tried].mean(), *band))
         rows.append(np.stack([visits[tried], tv[tried]]))
 
     model = babble(body, wanderer(body, alone=copies > 1), plan, seed, after_bout=look)
-    at, tv, bound = np.array(points, float).reshape(-1, 3).T
-    return model, Convergence(at.astype(int), tv, bound, _by_visits(*np.concatenate(rows, axis=1)))
+    at, tv, bound, *band = np.array(points, float).reshape(-1, 5).T
+    return model, Convergence(at.astype(int), tv, bound, np.array(band), _by_visits(*np.concatenate(rows, axis=1)))
 
 
 def _by_visits(visits: FloatArray, tv: FloatArray) -> FloatArray:

@@ -28,7 +28,7 @@ SELECTIONS = ("map", "matching")
 IN_TABLES = ("trials_curves", "changes", "intent_by_share", "junctions")
 CAPTIONS = {
     "trials": "Share of runs that reach the goal within three times the least steps, by the steps that each method "
-    "made itself before, with exact 95 % intervals. Imitators were shown walks; the others were told the goal's place.",
+    "made itself before, as found in these runs. Imitators were shown walks; the others were told the goal's place.",
     "changes": "The same after the maze changed, by own steps in it as it is now. All had made as many steps in the "
     "maze as it was.",
     "intent_early": "How often the goal of an unseen walk was named rightly after part of it, by rule, with exact 95 % "
@@ -41,7 +41,7 @@ def study(maze: Maze, seed: int, demonstrations: int, wander_steps: int, smoothi
     curve = once(_curve, maze, seed, report=lambda done: report(0.15 * done))
     metrics: dict[str, Any] = {
         f"forward_model_{name}": {str(n): y for n, y in zip(curve.steps, values, strict=True) if n >= 300}
-        for name, values in (("tv", curve.tv), ("tv_bound", curve.bound))
+        for name, values in (("tv", curve.tv), ("tv_bound", curve.bound), ("tv_band_95", curve.band.T))
     }
     shown = maze, demonstrations, wander_steps
     metrics |= {"forward_model_tv_slope": curve.slope} | once(_imitation, *shown, seed)
@@ -122,6 +122,8 @@ def _said(found: Any) -> str:
         return ", ".join(
             f"{k} ({_said(v)})" if isinstance(v, Mapping) else f"{k}: {_said(v)}" for k, v in found.items()
         )
+    if isinstance(found, np.ndarray | list | tuple):
+        return " to ".join(f"{one:.4g}" for one in found)
     return "-" if found is None else f"{found:.4g}"
 
 

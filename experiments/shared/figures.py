@@ -6,7 +6,9 @@ from typing import Any, ParamSpec
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from babbling.axes import FloatArray
 from experiments.shared.judging import Sweep, over_learners
@@ -42,11 +44,11 @@ def learning_curve(
     title: str = "",
     level: tuple[str, float] | None = None,
     *,
-    log: bool = False,
+    log: str = "",
     onto: Axes | None = None,
 ) -> Figure:
     """What was learned against what it took: lines by name over x, the imitator's own first; `level` is a name and a
-    value to compare with. A figure of its own, or the axes of another."""
+    value to compare with. A figure of its own, or the axes of another; `log`: which of them are logarithmic ("xy")."""
     figure = Figure(figsize=(6.5, 4.2), layout="constrained")
     axes = figure.subplots() if onto is None else onto
     for (name, values), (mark, ink) in zip(lines.items(), STYLES, strict=False):
@@ -54,13 +56,24 @@ def learning_curve(
     if level is not None:
         axes.axhline(level[1], color=PLAIN, lw=1, ls="--", label=level[0])
     axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
-    if log:
-        axes.set(xscale="log", yscale="log")
-        axes.grid(alpha=0.25, which="both")
-    else:
+    if "y" not in log:
         axes.set_ylim(0, None)
+    for name in log:
+        axes.set(**{f"{name}scale": "log"})
+        plain(getattr(axes, f"{name}axis"))
+    if log:
+        axes.grid(alpha=0.25)
     axes.legend(frameon=False)
     return figure
+
+
+def plain(axis: Axis) -> None:
+    """A logarithmic axis in plain numbers, enough of them where it is short."""
+    low, high = np.sort(axis.get_view_interval())
+    few, more = (1.0, 2.0, 5.0), (1.0, 1.5, *range(2, 10))
+    axis.set_major_locator(LogLocator(subs=more if high < 5 * low else few if high < 200 * low else (1.0,)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter("{x:g}")
 
 
 def rates(

@@ -1,7 +1,8 @@
 """How good something was: errors, learning curves, calibration, intervals; for those who judge."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,11 +14,16 @@ class LearningCurve:
     """Prediction error of held-out experience against body time, in the unit of whoever drew it."""
 
     minutes: FloatArray
+    """The pilot's counted."""
     table: FloatArray
     """Of the forward model."""
     line: FloatArray
     """Of a line fitted to the same experience."""
     unit: str = "deg"
+    floor: float | None = None
+    """What the best possible prediction would miss, where that can be known."""
+    piloted: float | None = None
+    """Minutes at the end of the pilot."""
 
 
 def rmse(reached: FloatArray, wanted: FloatArray) -> float:
@@ -38,7 +44,9 @@ def ringing(error: FloatArray) -> FloatArray:
 
 
 def interval_95(hits: int, count: int) -> tuple[float, float]:
-    """Exact 95 % interval of a share (Clopper and Pearson 1934)."""
+    """Exact 95 % interval of a share (Clopper and Pearson 1934); of nothing tried, all shares."""
+    if not count:
+        return 0.0, 1.0
     from scipy.stats import binomtest  # takes half a second to load
 
     found = binomtest(hits, count).proportion_ci(0.95, "exact")
@@ -83,28 +91,6 @@ def over_learners(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values.mean(0), half
 
 
-@dataclass(frozen=True)
-class Sweep:
-    """How often R rules were right at K grades of a difficulty, for each of S learners."""
-
-    label: str
-    at: tuple[float, ...]
-    rules: tuple[str, ...]
-    right: FloatArray
-    """(S, R, K)"""
-
-    def beyond(self, other: str) -> FloatArray:
-        """(3,) by how much the first rule is right more often than another, over all grades: mean and 95 % interval."""
-        mean, half = over_learners((self.right[:, 0] - self.right[:, self.rules.index(other)]).mean(1))
-        return np.asarray(mean + half * np.array([0.0, -1.0, 1.0]))
-
-    def numbers(self) -> dict[str, Any]:
-        """For metrics.json."""
-        mean, half = over_learners(self.right)
-        rules = {rule: {"right": mean[r], "half_95": half[r]} for r, rule in enumerate(self.rules)}
-        return {"at": self.at, **rules, "beyond": {rule: self.beyond(rule) for rule in self.rules[1:]}}
-
-
 def difference(one: tuple[int, int], other: tuple[int, int]) -> tuple[float, float]:
     """By how much the share of one (hits, count) lies above another's, and its standard error (Agresti and Caffo 2000,
     whose added successes and failures keep it from 0)."""
@@ -124,3 +110,108 @@ def alike(one: tuple[int, int], other: tuple[int, int], margin: float) -> float:
 def lately(happened: BoolArray, ticks: float) -> BoolArray:
     """(T,) where it happens, or did at most so many ticks ago."""
     return np.convolve(happened, np.ones(round(ticks) + 1))[: len(happened)] > 0
+
+
+class Verdict(NamedTuple):
+    """Whether something is so, as far as an interval tells: no claim is made beyond it."""
+
+    holds: bool | None
+    """None: too few to tell."""
+    low: float
+    high: float
+    """Interval of a difference."""
+    n: int
+    """Trials, or learners, that it rests on."""
+    level: int = 95
+    """Per cent."""
+
+    @property
+    def said(self) -> str:
+        """In words."""
+        return "too few to tell" if self.holds is None else "yes" if self.holds else "no"
+
+    def told(self, of: str = "+.1%") -> str:
+        """The same with its interval, for a table or a figure."""
+        many = f"n = {self.n}"
+        if not np.isfinite([self.low, self.high]).all():
+            return f"{self.said} ({many})"
+        return f"{self.said} ({self.low:{of}} to {self.high:{of}}, {self.level} %, {many})"
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """For metrics.json."""
+        ends = [end if np.isfinite(end) else None for end in (self.low, self.high)]
+        return {"holds": self.holds, "said": self.told(), f"interval_{self.level}": ends, "n": self.n}
+
+
+def above_zero(low: float, high: float, n: int) -> Verdict:
+    """Whether a difference lies above 0: told only where its 95 % interval does not include it."""
+    return Verdict(True if low > 0 else False if high < 0 else None, float(low), float(high), n)
+
+
+def within(low: float, high: float, n: int, margin: float) -> Verdict:
+    """Whether a difference lies within a margin of 0, by its 90 % interval: two one-sided tests (Schuirmann 1987)."""
+    apart = low >= margin or high <= -margin
+    return Verdict(True if -margin < low and high < margin else False if apart else None, low, high, n, 90)
+
+
+def more_often(one: BoolArray, other: BoolArray) -> Verdict:
+    """Whether something happens more often than something else in the same trials, (N,) each: exactly, given how many
+    of the trials tell them apart (McNemar 1947; Clopper and Pearson's interval of the share among those)."""
+    n, better, worse = one.size, int((one & ~other).sum()), int((other & ~one).sum())
+    if not better + worse:
+        most = interval_95(0, n)[1]
+        return above_zero(-most, most, n)
+    low, high = (2 * end - 1 for end in interval_95(better, better + worse))
+    return above_zero(low * (better + worse) / n, high * (better + worse) / n, n)
+
+
+def oftener(one: tuple[int, int], other: tuple[int, int]) -> Verdict:
+    """Whether one share (hits, count) lies above that of other trials: the two exact intervals joined by the square
+    root of their squares (Newcombe 1998, method 10, with Clopper and Pearson's in place of Wilson's)."""
+    (low, high), (least, most) = interval_95(*one), interval_95(*other)
+    p, q = (hits / max(count, 1) for hits, count in (one, other))
+    return above_zero(p - q - np.hypot(p - low, most - q), p - q + np.hypot(high - p, q - least), min(one[1], other[1]))
+
+
+def over_learners_above_zero(values: FloatArray) -> Verdict:
+    """Whether the mean of (S,) differences over learners lies above 0."""
+    if len(values) < 2:
+        return Verdict(None, -np.inf, np.inf, len(values))
+    mean, half = over_learners(values)
+    return above_zero(float(mean - half), float(mean + half), len(values))
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """How often R rules were right at K grades of a difficulty, for each of S learners."""
+
+    label: str
+    at: tuple[float, ...]
+    rules: tuple[str, ...]
+    right: FloatArray
+    """(S, R, K)"""
+
+    def beyond(self, other: str) -> FloatArray:
+        """(3,) by how much the first rule is right more often than another, over all grades: mean and 95 % interval."""
+        mean, half = over_learners((self.right[:, 0] - self.right[:, self.rules.index(other)]).mean(1))
+        return np.asarray(mean + half * np.array([0.0, -1.0, 1.0]))
+
+    def numbers(self) -> dict[str, Any]:
+        """For metrics.json."""
+        mean, half = over_learners(self.right)
+        rules = {rule: {"right": mean[r], "half_95": half[r]} for r, rule in enumerate(self.rules)}
+        others = self.rules[1:]
+        verdicts = {rule: self.ahead(rule).numbers for rule in others}
+        return {"at": self.at, **rules, "beyond": {rule: self.beyond(rule) for rule in others}, "ahead": verdicts}
+
+    def ahead(self, other: str) -> Verdict:
+        """Whether the first rule is right more often than another."""
+        return over_learners_above_zero((self.right[:, 0] - self.right[:, self.rules.index(other)]).mean(1))
+
+    def told(self) -> Iterator[tuple[str, str]]:
+        """Every other rule, and by how many points the first is right more often, for a table."""
+        for rule in self.rules[1:]:
+            mean, low, high = 100 * self.beyond(rule)
+            few = f", {self.ahead(rule).said}" if self.ahead(rule).holds is None else ""
+            yield rule, f"{mean:+.1f} ({low:.1f} to {high:.1f}{few})"

@@ -1,8 +1,9 @@
 """Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,10 +13,11 @@ from babbling.axes import FloatArray, IntArray
 from babbling.explanations import EXPLANATIONS, Explanations
 from babbling.files import load, save
 from babbling.kinds import Numbers, kind
-from babbling.loop import babble, bouts, experience
+from babbling.loop import babble, bouts
 from babbling.mind import Mind, Temper
 from babbling.pilot import Pilot, begin, pilot_minutes
 from experiments.errors import ExperimentError
+from experiments.shared.held_out import HeldOut, Watched
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from experiments.shared.progress import part, ticking
@@ -23,7 +25,6 @@ from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, rehearse
 from imitation.inference.moving import CANDIDATES
 from models.body import SimulatedBody
 from models.loading import load_body
-from models.units import SHOWN
 
 EVERY_S, SPARING = 13.0, 50.0
 """Wall time after which what was learned so far is kept, as soon as a bout (1.5 s) ends, sooner where a rehearsal's
@@ -86,33 +87,6 @@ def factors_of(body: SimulatedBody, mind: Mind) -> IntArray:
     return np.array([labels.index(joint) if joint in labels else -1 for joint in body.joints])
 
 
-class HeldOut:
-    """Babbling that is held out, and what it says while more and more is learned: points of a `LearningCurve`, degrees
-    of posture, or millimetres of a body that only slides (root mean square over factors and transitions)."""
-
-    def __init__(self, options: BodyOptions, found: Pilot, points: Iterable[Iterable[float]] = ()) -> None:
-        body = body_of(options, COPIES, stream=2)
-        units = dict(zip(body.joints, body.shown_units, strict=True))
-        moved = [units.get(body.sense_labels[line], "deg") for line in found.schema.posture]
-        self.unit = "deg" if "deg" in moved else moved[0]  # slides are judged where there is nothing else
-        self.counted, self.scale = np.array(moved) == self.unit, dict(SHOWN.values())[self.unit]
-        self.columns, self.outcome = found.experienced(*experience(body, found, options.seed + 7919, 0, 500))
-        self.points = [tuple(map(float, point)) for point in points]
-
-    def note(self, minutes: float, model: Explanations) -> None:
-        """Add a point for the forward model as it is now."""
-        told = model.foretold_by(self.columns)
-        average = (told * model.weights).sum(-1)
-        missed = [(predicted - self.outcome)[:, self.counted] for predicted in (average, told[..., 0])]
-        errors = [self.scale * np.sqrt(np.mean(away**2)) for away in missed]
-        self.points.append((minutes, *map(float, errors)))
-
-    def curve(self) -> LearningCurve:
-        """So far."""
-        minutes, table, line = np.array(self.points).T
-        return LearningCurve(minutes, table, line, self.unit)
-
-
 def learn_mind(
     options: BodyOptions,
     minutes: float,
@@ -141,13 +115,27 @@ def learn_mind(
     whole = piloting + sum(plan) + REHEARSAL_COST * rehearsing
     before, babbled = piloting / whole, (piloting + sum(plan)) / whole
     if left is None:
+        runs = list[tuple[FloatArray, FloatArray]]()
         with ticking(body, part(report, 0, before), piloting):
-            found, model = begin(body, options.seed)
+            found, model = begin(body, options.seed, lambda *run: runs.append(run))
         first, rehearsed, (piloted, spent) = 0, list[FloatArray](), (time.perf_counter() - clock, 1e-9)
     else:
         found, model, first = left.mind.pilot, left.mind.forward_model, left.bouts_done
         rehearsed, (piloted, spent) = list(left.rehearsed), left.wall_s.tolist()
-    held_out = HeldOut(options, found, () if left is None else left.points)
+    held_out = HeldOut(body_of(options, COPIES, stream=2), found, options.seed, () if left is None else left.points)
+    piloting = model.transitions / len(model.factors) - sum(plan[:first]) * copies  # transitions that it counted
+
+    def look(within: bool) -> None:
+        nonlocal clock
+        began = time.perf_counter()
+        held_out.note(
+            found.minutes + (model.transitions / len(model.factors) - piloting) * body.tick_s / 60, model, within
+        )
+        clock += time.perf_counter() - began
+
+    if left is None:
+        held_out.note_pilot(*runs[0], found)
+        look(within=False)
 
     def unrehearsed() -> Mind:
         return Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
@@ -164,7 +152,7 @@ def learn_mind(
     def after_bout(done: int, model: Explanations) -> None:
         nonlocal clock, spent
         spent += time.perf_counter() - clock
-        held_out.note(sum(plan[:done]) * copies * body.tick_s / 60, model)
+        look(within=False)
         keep(done, EVERY_S if done < len(plan) else EVERY_S * 0.7)
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()
@@ -177,10 +165,9 @@ def learn_mind(
     keep(first, EVERY_S)
     body.reseed(1 + first)
     clock = time.perf_counter()
+    watched = Watched(found, partial(look, within=True))
     with ticking(body, part(report, before, babbled), sum(plan), sum(plan[:first])):
-        babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
-    if not held_out.points:  # the pilot is all there is
-        held_out.note(0.0, model)
+        babble(body, watched, plan, options.seed, onto=model, first=first, after_bout=after_bout)
     rehearsers = body_of(options, REHEARSERS, stream=1)
     with ticking(rehearsers, part(report, babbled, 1), rehearsing):
         mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)
@@ -198,6 +185,7 @@ def learn_mind(
         "learning_curve_body_minutes": curve.minutes,
         f"learning_curve_table_{curve.unit}": curve.table,
         f"learning_curve_linear_{curve.unit}": curve.line,
+        f"learning_curve_floor_{curve.unit}": curve.floor,
         "explanations": dict(zip(EXPLANATIONS, model.weights.mean(0).tolist(), strict=True)),
     }
     return Learned(mind, metrics, curve)

@@ -17,7 +17,7 @@ from babbling.regression import LinearGaussian
 from experiments.__main__ import main
 from experiments.benchmark import lives
 from experiments.benchmark.options import CURVE
-from experiments.benchmark.run import curves, ratio
+from experiments.benchmark.run import curves, growths, ratio
 from experiments.shared import peers
 from experiments.shared.minds import COPIES, learn_mind
 from experiments.shared.options import BodyOptions
@@ -221,9 +221,22 @@ def test_a_life_without_peers_is_the_mind_of_every_other_experiment(
 
 
 def test_the_curve_has_every_seed_at_every_number_of_minutes() -> None:
-    task = lives.Task("ideal", 0, {}, (), (0.0,))
-    life = [[lives.Point(m, {name: [e * m, 3 * e * m] for name in CURVE}) for m in (1.0, 2.0)] for e in (0.1, 0.2)]
-    assert curves([task, task], life)["curve"]["table"] == [[1.0, 2.0], [[0.2, 0.4], [0.4, 0.8]]]
+    """Those of short lives of few bodies before those of the long one."""
+    tasks = [lives.Task("ideal", seed, {}, (), (0.0,), copies=copies) for seed in (0, 1) for copies in (1, 8)]
+    grown = [
+        [lives.Point(m, {name: [e * m, 3 * e * m] for name in CURVE}) for m in minutes]
+        for e in (0.1, 0.2)
+        for minutes in ((0.5,), (1.0, 2.0))
+    ]
+    found = curves(tasks, grown)["curve"]["table"]
+    assert found[0] == [0.5, 1.0, 2.0]
+    np.testing.assert_allclose(found[1], [[0.1, 0.2], [0.2, 0.4], [0.4, 0.8]])
+
+
+def test_the_curve_begins_as_early_as_a_pilot_allows() -> None:
+    total = [pilot_minutes(copies) + stop for copies, stops in growths() for stop in stops]
+    assert total == sorted(total) and total[0] < pilot_minutes(1) + 0.01
+    assert all(stop >= 0 for _, stops in growths() for stop in stops)
 
 
 def test_a_life_with_stops_ends_as_one_without(arm: Path, hasty: None, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -54,7 +54,21 @@ def test_hinges_and_slides_are_told_apart() -> None:
     assert (
         rows["worst joint (j2)"] == f"{np.rad2deg(0.02):.4f} deg" and rows["worst joint (j3) (slides)"] == "4.0000 mm"
     )
-    assert len(rows) == 2 * len(ROWS)
+    assert len(rows) == 2 * (len(ROWS) + 2)
+
+
+def test_ringing_is_told_beside_direct_replays() -> None:
+    one = done(("rad", "rad", "m"), np.zeros(3))
+    shaking = 0.01 * (-1.0) ** np.arange(200)
+    one.imitated[:, 1] += shaking
+    one.replayed[:] += 0.1 * shaking[:, None]
+    told = joint_metrics(one)
+    size = np.rad2deg(2 * np.sqrt(2) * 0.01)
+    assert told["ringing_worst_deg"] == pytest.approx(size) and told["ringing_deg"] == pytest.approx(size / 2)
+    assert told["direct_replay_ringing_worst_deg"] == pytest.approx(size / 10)
+    rows = dict(joint_rows(told))
+    name = "ringing, peak to peak, worst joint (j1); direct replay's"
+    assert rows[name] == f"{size:.4f}; {size / 10:.4f} deg" and f"{name} (slides)".replace("j1", "j2") in rows
 
 
 @pytest.mark.parametrize(("units", "unit", "alike"), [(("rad", "m", "rad"), "deg", [0, 2]), (("m", "m"), "mm", [0, 1])])
@@ -79,7 +93,7 @@ def test_where_there_are_no_slides_or_no_hinges_nothing_is_made_up() -> None:
     slides = joint_metrics(done(("m", "m"), np.array([0.01, 0.02])))
     told = {name: value for name, value in slides.items() if name.endswith("_deg")}
     assert told and all(value is None for value in told.values()) and told.keys() <= hinges.keys()
-    assert all(said.endswith(" mm") for _, said in joint_rows(slides)) and len(joint_rows(slides)) == len(ROWS)
+    assert all(said.endswith(" mm") for _, said in joint_rows(slides)) and len(joint_rows(slides)) == len(ROWS) + 2
 
 
 def test_ringing_is_a_sines_height_and_slow_errors_hardly_count() -> None:

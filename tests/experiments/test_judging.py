@@ -6,7 +6,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm, t
 
-from experiments.shared.judging import Sweep, alike, constant_confidence, difference, over_learners, scores
+from experiments.shared.judging import (
+    Sweep,
+    Verdict,
+    above_zero,
+    alike,
+    constant_confidence,
+    difference,
+    more_often,
+    oftener,
+    over_learners,
+    over_learners_above_zero,
+    scores,
+    within,
+)
 
 
 def test_scores_by_hand() -> None:
@@ -80,3 +93,58 @@ def test_one_rule_beyond_another_is_paired_by_learner() -> None:
     sweep = Sweep("noise", (1.0, 2.0), ("ours", "theirs"), right)
     np.testing.assert_allclose(sweep.beyond("theirs"), 0.1)  # learners differ, the gap does not
     assert sweep.numbers()["theirs"]["half_95"].min() > 0.3
+
+
+def verdicts(n: int, p: float, q: float, rng: np.random.Generator) -> list[Verdict]:
+    """Of things that happen so often, in n trials each: together, apart, and over n learners."""
+    one, other = rng.random(n) < p, rng.random(n) < q
+    apart = oftener((int(one.sum()), n), (int(other.sum()), n))
+    return [more_often(one, other), apart, over_learners_above_zero(p - q + rng.normal(0, 0.2, n))]
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3])
+def test_with_very_few_trials_no_claim_is_made_whatever_they_say(n: int) -> None:
+    yes, no = np.ones(n, bool), np.zeros(n, bool)
+    told = [more_often(yes, no), more_often(no, yes), oftener((n, n), (0, n)), oftener((0, n), (n, n))]
+    assert all(one.holds is None and one.said == "too few to tell" and one.n == n for one in told)
+    assert over_learners_above_zero(np.ones(min(n, 1))).holds is None
+    if n:
+        gap, error = difference((n, n), (n, n))
+        assert within(gap - 1.645 * error, gap + 1.645 * error, n, 0.19).holds is None
+
+
+@pytest.mark.parametrize(("p", "q", "holds"), [(0.8, 0.5, True), (0.5, 0.8, False), (0.6, 0.6, None)])
+def test_many_trials_tell_what_is_true(p: float, q: float, holds: bool | None) -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        told = verdicts(1000, p, q, rng)
+        assert all(one.holds in ((holds,) if holds is not None else (None, True, False)) for one in told)
+    gap, error = difference((500, 1000), (510, 1000))
+    assert within(gap - 1.645 * error, gap + 1.645 * error, 1000, 0.19).holds is True
+    assert within(0.3, 0.5, 1000, 0.19).holds is False and within(-0.5, -0.3, 1000, 0.19).holds is False
+
+
+def test_of_what_happens_as_often_something_else_is_claimed_once_in_twenty_at_most() -> None:
+    rng = np.random.default_rng(6)
+    for n in (10, 40):
+        told = [verdicts(n, 0.6, 0.6, rng) for _ in range(600)]
+        wrong = np.mean([[one.holds is not None for one in each] for each in told], axis=0)
+        assert (wrong[:2] < 0.05).all() and wrong[2] < 0.07
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.floats(0, 1), st.floats(0, 1))
+def test_a_claim_never_contradicts_its_interval(seed: int, n: int, p: float, q: float) -> None:
+    for one in verdicts(n, p, q, np.random.default_rng(seed)):
+        assert one.low <= one.high
+        assert one.holds is (True if one.low > 0 else False if one.high < 0 else None)
+        if one.holds is None:
+            assert one.told().startswith("too few to tell (") and f"n = {n})" in one.told()
+        assert one.numbers["holds"] is one.holds and one.numbers["said"] == one.told()
+
+
+def test_the_interval_of_a_difference_holds_the_truth_at_least_nineteen_times_in_twenty() -> None:
+    rng, p, q = np.random.default_rng(7), 0.7, 0.45
+    told = [oftener((int(a), 30), (int(b), 30)) for a, b in rng.binomial(30, [p, q], (800, 2))]
+    assert np.mean([one.low <= p - q <= one.high for one in told]) > 0.95
+    assert above_zero(0.0, 0.1, 9).holds is None  # an end at 0 includes it

@@ -10,7 +10,7 @@ import pytest
 from babbling.files import load
 from experiments.__main__ import main
 from experiments.benchmark.maze import rows
-from experiments.maze.learning import expected_distance, walkers
+from experiments.maze.learning import expected_distance, scatter, walkers
 from experiments.maze.mind import (
     CHECKPOINTS,
     UNSEEN,
@@ -207,6 +207,20 @@ def test_learning_follows_the_multinomial_bound():
     assert (np.abs(ratio[np.array(curve.steps) >= 300] - 1) < 0.1).all()
     assert curve.slope == pytest.approx(-0.5, abs=0.04)
     assert expected_distance(np.full((1, 2), 0.5), np.array([100.0])) == pytest.approx(0.5 * np.sqrt(2 / (np.pi * 100)))
+
+
+def test_a_run_that_counts_lies_in_the_band_nineteen_times_in_twenty():
+    """Of few draws as of many; the expectation lies within."""
+    rng, truth = np.random.default_rng(3), TRUE_DYNAMICS
+    for visits in (np.array([3, 9, 4, 20, 7]), np.full(5, 400)):
+        band = scatter(truth, visits, np.random.default_rng(0), 2000)
+        runs = rng.multinomial(visits, truth, (2000, 5)) / visits[:, None]
+        off = (np.abs(runs - truth).sum(-1) / 2).mean(-1)
+        assert np.mean((band[0] <= off) & (off <= band[1])) == pytest.approx(0.95, abs=0.02)
+        assert band[0] < off.mean() < band[1]
+    _, curve = walkers(default_maze(), 3000, 7, 1, lambda done: None)
+    assert curve.band.shape == (2, len(curve.steps)) and (np.diff(np.diff(curve.band, axis=0)) < 0).all()
+    assert (curve.band[0] <= curve.tv).mean() > 0.5 and (curve.tv <= curve.band[1]).mean() > 0.5
 
 
 def test_counting_beside_walls_would_never_converge():

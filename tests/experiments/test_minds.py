@@ -7,7 +7,8 @@ import pytest
 
 from babbling.pilot import begin, pilot_minutes
 from experiments.errors import ExperimentError
-from experiments.shared.minds import COPIES, PILOT_SHARE, HeldOut, body_of, copies_for, learn_mind
+from experiments.shared.held_out import HeldOut
+from experiments.shared.minds import COPIES, PILOT_SHARE, body_of, copies_for, learn_mind
 from experiments.shared.options import BodyOptions
 from models.units import SHOWN
 
@@ -33,6 +34,7 @@ def test_minutes_are_body_time_in_all(arm: Path, hasty: None, minutes: float) ->
     assert learned.mind.pilot.minutes == pilot_minutes(1)
     curve = learned.curve
     assert curve is not None and curve.unit == "deg" and len(curve.minutes) == len(curve.table) > 0
+    assert curve.minutes[-1] == pytest.approx(spent) and curve.minutes[0] < learned.mind.pilot.minutes
 
 
 RAIL = """<mujoco><compiler autolimits="true"/><option timestep=".005" gravity="0 0 0"/><worldbody><body>
@@ -48,9 +50,9 @@ def test_a_body_that_only_slides_is_judged_in_millimetres(tmp_path: Path, kind: 
     path.write_text(RAIL.format(kind=kind, **gains).replace("autolimits", 'angle="radian" autolimits'))
     options = BodyOptions(robot=str(path), threads=1, scramble=1)
     found, model = begin(body_of(options, 2), 0)
-    held_out = HeldOut(options, found)
+    held_out = HeldOut(body_of(options, 2), found, 0)
     assert held_out.unit == unit and held_out.counted.sum() == (2 if kind == "slide" else 1)
-    held_out.note(0.0, model)
+    held_out.note(0.1, model)
     curve = held_out.curve()
     away = (model.foretold_by(held_out.columns)[..., 0] - held_out.outcome)[:, held_out.counted]
     assert curve.line[0] == pytest.approx(dict(SHOWN.values())[unit] * np.sqrt(np.mean(away**2)))
