@@ -44,6 +44,9 @@ EXPERIMENTS: dict[str, Entry] = {
     "notice": Entry("notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned"),
     "robot": Entry("robot", "a robot's card: its motors, senses and what would be refused; a movement to begin with"),
     "compare": Entry("compare", "what earlier runs left, side by side: one table, one figure, one recording"),
+    "fit": Entry(
+        "fit", "how individuals choose, from a table of what they chose: Eq. (1) and (2) fitted, models compared"
+    ),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }
 

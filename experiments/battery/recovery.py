@@ -2,7 +2,7 @@
 population choose as the real one did (posterior predictive check)?"""
 
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -32,10 +32,10 @@ class Recovery:
     """(B, 3, 3) from all of a group's choices."""
     trials: int
 
-    def coverage(self) -> dict[str, dict[str, dict[str, float | list[float]]]]:
+    def coverage(self) -> dict[str, dict[str, dict[str, Any]]]:
         """individual, pooled -> parameter -> share of intervals that hold the truth, its exact 95 % interval, and the
         correlation of medians with the truth, in the parameter's coordinate."""
-        told: dict[str, dict[str, dict[str, float | list[float]]]] = {}
+        told: dict[str, dict[str, dict[str, Any]]] = {}
         for name, truth, found in (
             ("individual", self.truth.reshape(-1, 3), self.found.reshape(-1, 3, 3)),
             ("pooled", self.shared, self.pooled),
@@ -109,9 +109,12 @@ def _counted(chosen: IntArray, choices: Choices) -> csr_array:
     return csr_array((np.ones(chosen.size), (who, chosen.ravel())), (len(chosen), len(choices.names)))
 
 
-def check(found: Fit, draws: int = DRAWS, *, rng: np.random.Generator) -> pd.DataFrame:
+def check(
+    found: Fit, posteriors: FloatArray | None = None, draws: int = DRAWS, *, rng: np.random.Generator
+) -> pd.DataFrame:
     """A row for every task, condition and response: its share among all choices `observed`, and what individuals with
-    theta from their own posteriors would do in the same situations: mean and 95 % of `draws` replications."""
+    theta from their `posteriors` (of a `population`; else of each alone) would do in the same situations: mean and 95 %
+    of `draws` replications."""
     choices, names = (
         found.choices,
         pd.MultiIndex.from_tuples(found.choices.names, names=["task", "condition", "response"]),
@@ -121,7 +124,7 @@ def check(found: Fit, draws: int = DRAWS, *, rng: np.random.Generator) -> pd.Dat
     again = np.zeros((draws, len(groups[1])))
     values = [one.values for one in found.prior]
     total = choices.situation.max() + 1
-    for number, posterior in enumerate(found.individual):
+    for number, posterior in enumerate(found.individual if posteriors is None else posteriors):
         drawn = rng.choice(posterior.size, draws, p=posterior.ravel())
         theta = np.stack(
             [value[at] for value, at in zip(values, np.unravel_index(drawn, posterior.shape), strict=True)], -1

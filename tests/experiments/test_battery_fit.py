@@ -224,9 +224,9 @@ def test_what_is_simulated_is_chosen_as_often_as_it_should_be() -> None:
 def test_a_population_that_the_law_describes_passes_the_check_and_another_does_not() -> None:
     table, before = choices(world(2, 10)), prior(points=(20, 16, 12))
     lawful = simulate(table, np.tile([[1.5, 1.0, 0.05]], (30, 1)), 40, rng=rng(6))
-    rows = check(fit(lawful, before), 200, rng=rng(7))
+    rows = check(fit(lawful, before), draws=200, rng=rng(7))
     assert ((rows["low"] <= rows["observed"]) & (rows["observed"] <= rows["high"])).all()
     assert rows.groupby("task")[["observed", "expected"]].sum().to_numpy() == pytest.approx(1)
     stubborn = world(30, 20).assign(response="act 0")
-    rows = check(fit(choices(stubborn), before), 200, rng=rng(8))
+    rows = check(fit(choices(stubborn), before), draws=200, rng=rng(8))
     assert not ((rows["low"] <= rows["observed"]) & (rows["observed"] <= rows["high"])).all()
