@@ -96,6 +96,10 @@ EXPERIMENTS: dict[str, Entry] = {
             "--quick --vary exponent=0.5,1,2", "about 10 minutes on two cores", POPULATIONS,
         ),
         Entry(
+            "fit", "how individuals and groups choose: Eq. (1) and (2) fitted to a table of choices",
+            "runs/battery/trials.parquet --recover", "about 15 s", POPULATIONS,
+        ),
+        Entry(
             "notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned",
             "--cases 10", "about two minutes on two cores", TOOLS,
         ),

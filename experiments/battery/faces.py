@@ -44,8 +44,7 @@ def faces(ward: Ward) -> list[Trial]:
     infants = raised(group)
     kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
     of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]
-    mine = [[some[int(n)] for some, n in zip(of, life.rng(5).integers(0, EACH * VIEWED, len(of)), strict=True)]
-            for life in ward.lives]  # fmt: skip
+    mine = [[some[int(life.rng(5, kind).integers(len(some)))] for kind, some in enumerate(of)] for life in ward.lives]
     answers, _ = answered(group, infants, mine, TRIES)
     return [row for n, life in enumerate(ward.lives) for row in _rows(life, infants[n], mine[n], answers.labels[n])]
 

@@ -111,7 +111,7 @@ def _numbers(found: Table, place: int, name: str, *, whole: bool) -> pd.Series:
         values[there] = held.numbers(slice(None), [place], [name])[:, 0]
     if not whole:
         return pd.Series(values[1:])
-    for row in np.flatnonzero(values[1:] != np.rint(values[1:])) + 1:
+    for row in np.flatnonzero(~((values[1:] == np.rint(values[1:])) & (abs(values[1:]) < 2**53))) + 1:
         raise BodyError(f"{found.where(int(row))}, {name}: {found.cells[row, place][:30]!r} is no whole number")
     return pd.Series(values[1:].astype(np.int64))
 

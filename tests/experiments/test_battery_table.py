@@ -81,6 +81,7 @@ TEXTS = {
     "twice": (HEAD + ROW + ROW, "agent 1, task cup, condition shown, trial 0 stands there twice"),
     "one name": (HEAD.replace("hit", "task") + ROW, "two columns are called task"),
     "part of a trial": (HEAD + ROW.replace(",0,", ",0.5,"), "line 2, trial: '0.5' is no whole number"),
+    "beyond all": (HEAD + ROW.replace(",0,", ",1e30,"), "line 2, trial: '1e30' is no whole number"),
     "no trial": (HEAD + ROW.replace(",0,", ",,"), "line 2, trial: '' is no whole number"),
     "half a hit": (HEAD + ROW.replace("lift,1", "lift,0.5"), "hit: only 0, 1 and nothing"),
     "a word": (HEAD + ROW.replace("lift,1", "lift,often"), "line 2, hit: 'often' is not a finite number"),

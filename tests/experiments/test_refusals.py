@@ -159,6 +159,10 @@ WORDS = [
     ["compare", "{here}", "{here}"],
     ["compare", "nowhere", "nowhere-else"],
     ["robot", "hoap2", "--template", "{text}"],
+    ["fit"],
+    ["fit", "nowhere"],
+    ["fit", "{text}"],
+    ["fit", "{text}.parquet"],
 ]
 BESIDE = {"balance": ["--stand"], "clips": ["--stand", "--study"], "plays": ["--study"], "motion": ["--demonstration",
           "{text}.urdf"], "memory": []}  # fmt: skip
@@ -169,7 +173,7 @@ def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.Captu
     """Runs `imitate` in an empty folder where no physics may be stepped but a teacher's kinematics."""
     here = tmp_path / "here"
     here.mkdir()
-    for suffix in ("", ".amc", ".csv", ".bvh", ".urdf"):
+    for suffix in ("", ".amc", ".csv", ".bvh", ".urdf", ".parquet"):
         (tmp_path / f"text{suffix}").write_text("no such thing\n")
     (tmp_path / "robot.xml").write_text("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
     monkeypatch.chdir(here)

@@ -14,6 +14,9 @@ import numpy as np
 from babbling.errors import BabblingError
 from babbling.files import _seal, is_kind, load, save
 from babbling.kinds import KINDS
+from experiments.battery.choices import choices
+from experiments.battery.reading import read
+from experiments.battery.recovery import response_chances
 from experiments.benchmark.lives import Point
 from experiments.command_line import parse
 from experiments.compare.reading import Tracks, read_run
@@ -156,6 +159,15 @@ def some_walks(path: Path) -> None:
         check_walk(maze, walk, "again")
 
 
+def some_trials(path: Path) -> None:
+    """A table of choices; what can be fitted sums to 1."""
+    frame = read(path)
+    assert len(frame) and {"agent", "task", "condition", "trial", "response"} <= set(frame)
+    told = choices(frame)
+    sums = np.bincount(told.situation, response_chances(told, np.array([[1.5, 0.5, 0.1]]))[:, 0])
+    np.testing.assert_allclose(sums, 1)
+
+
 LARGE = ("balance", "body image", "eyes", "face mind", "interrupted babble", "mind", "play")
 
 
@@ -251,6 +263,8 @@ READERS: dict[str, Reader] = {
     "face": Reader("case.xml", lambda folder: [FACE.read_bytes()], a_face, BodyError, samples.MJCF, 60),
     "maze": Reader("case.txt", samples.drawings, a_maze, BodyError, WORDS_OF_A_MAZE, 800),
     "walks": Reader("case.csv", samples.walks, some_walks, BodyError, WORDS_OF_WALKS, 250),
+    "trials": Reader("case.csv", samples.trials, some_trials, SEVERAL, samples.TABLE, 150),
+    "trials.parquet": Reader("case.parquet", samples.parquets, some_trials, SEVERAL, (), 100),
     **{f"{name}.nc": a_kind(name) for name in sorted(KINDS)},
     "run/config.json": Reader("run/config.json", samples.folder_of("config.json"), a_run, SEVERAL, samples.JSON, 500),
     "run/metrics.json": Reader(

@@ -9,9 +9,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from PIL import Image
 
+from experiments.battery.table import IMITATOR, WHOLE, Trial, tidy
 from experiments.benchmark.lives import Point
 from experiments.registry import EXPERIMENTS
 from experiments.shared import kept
@@ -219,6 +221,22 @@ def walks(folder: Path) -> list[bytes]:
     made = (folder / "made.csv").read_bytes()
     (folder / "made.csv").unlink()
     return [made, made.replace(b"\n", b"\r\n").replace(b",", b";")]
+
+
+def battery() -> pd.DataFrame:
+    told = [Trial(n, n, WHOLE, IMITATOR, 3, "panel", "free", 0, "hand", "head", 0.0, options="head|hand",
+                  likelihood="0.25|0.75", prior="0.5|0.5") for n in range(4)]  # fmt: skip
+    return tidy(told, {n: {"memory": n / 2} for n in range(4)})
+
+
+def trials(folder: Path) -> list[bytes]:
+    whole = battery()
+    few = whole[["agent", "task", "condition", "trial", "response", "options", "likelihood"]]
+    return [one.to_csv(index=False, sep=sep).encode() for one, sep in ((whole, ","), (few, ";"))]
+
+
+def parquets(folder: Path) -> list[bytes]:
+    return [battery().to_parquet(None, index=False, compression=way) for way in ("snappy", None)]
 
 
 @cache
