@@ -12,7 +12,7 @@ from experiments.battery.parameters import Parameters
 from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
 from experiments.intentions.agents import Agent, How, sharpened
 from experiments.intentions.options import CONDITIONS
-from experiments.intentions.showing import SHOWS, likeness, looked_at
+from experiments.intentions.showing import SHOWS, Looks, likeness, looked_at
 from experiments.intentions.study import ADULT_ACTS, USUAL, Population, each_answers
 from experiments.objects.deciding import UNSEEN, remembered, respond
 from experiments.objects.showing import watched
@@ -30,9 +30,18 @@ TOUCH = "press with the head"
 def acting(who: Grown, lives: Sequence[Life], adult: Adult) -> Iterator[Trial]:
     """All rows of these stages, of lives that began as this one; those who never played among them."""
     for without, one in ((WHOLE, who), ("play", unplayed(who))):
+        seen = _looks(one, adult)
         for life in lives:
             yield from _touches(without, replace(one, life=life), adult)
-            yield from _intentions(without, replace(one, life=life), adult)
+            yield from _intentions(without, replace(one, life=life), adult, *seen)
+
+
+def _looks(who: Grown, adult: Adult) -> tuple[dict[str, Looks], dict[str, FloatArray]]:
+    """How an adult's tries look to it, and how like itself persons and devices are."""
+    rng = who.life.rng(7)
+    looks = {thing: looked_at(who.child.play, tries, rng) for thing, tries in adult.tries.items()}
+    outline = looks["dumbbell"].trials.outline[:ADULT_ACTS]
+    return looks, {body: likeness(who.hands, outline, body, rng) for body in MOVERS}
 
 
 def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
@@ -52,7 +61,7 @@ def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
     ]
     priors = [play.liking[kind, free] if goal == UNSEEN else play.outcomes.habits[0, kind, free] for goal in goals]
     weights = np.stack([chances(*pair, life.how) for pair in zip(likely, priors, strict=True)])
-    done = respond(who.child, "panel", np.array(goals), life.how.acts, "matching", rng, first=100 * life.agent,
+    done = respond(who.child, "panel", np.array(goals), life.how.acts, "matching", rng, first=100 * life.seed,
                    otherwise=weights)  # fmt: skip
     for number, view in enumerate(VIEWS):
         first = NAMES[done.primitives[number, 0]]
@@ -71,15 +80,14 @@ def chances(likelihood: FloatArray, prior: FloatArray, how: Parameters) -> Float
     return sharpened(posterior.probability if posterior.informed else habit, how.exponent)
 
 
-def _intentions(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
+def _intentions(
+    without: str, who: Grown, adult: Adult, looks: dict[str, Looks], bodies: dict[str, FloatArray]
+) -> Iterator[Trial]:
     """What was meant, and what is then done (Meltzoff 1995; Gergely et al. 2002; Carpenter et al. 1998)."""
-    life, child, rng = who.life, who.child, who.life.rng(7)
+    life, child = who.life, who.child
     things = [thing for thing in adult.tries if ":" not in thing]
     how = How(**{name: getattr(life.how, name) for name in vars(How()) if hasattr(life.how, name)})
-    looks = {thing: looked_at(child.play, tries, rng) for thing, tries in adult.tries.items()}
-    outline = looks["dumbbell"].trials.outline[:ADULT_ACTS]
-    bodies = {body: likeness(who.hands, outline, body, rng) for body in MOVERS}
-    task = Population(child, child, life.agent, who.own, adult.tries, 1, {USUAL: how}, life.seed)
+    task = Population(child, child, 0, who.own, adult.tries, 1, {USUAL: how}, life.seed)
     agent = Agent(child.play, how)
     for condition, toys in CONDITIONS.items():
         for toy in (toy for toy in toys if toy in things):

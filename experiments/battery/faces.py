@@ -40,7 +40,7 @@ def bank(looking: Looking) -> list[Look]:
 def faces(ward: Ward) -> list[Trial]:
     """Every infant is shown every gesture, strong and weak, once."""
     first = ward.lives[0]
-    group = Group(FACES["newborn"], 3000 + first.agent, len(ward.lives), first.how.face_acts, first.seed)
+    group = Group(FACES["newborn"], 3000 + first.seed, len(ward.lives), first.how.face_acts, first.seed)
     infants = raised(group)
     kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
     of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]

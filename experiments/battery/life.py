@@ -88,7 +88,7 @@ def grown(life: Life) -> Grown:
     image = look_at_hands(mind, life.seed)
     play = play_on(mind, image, empty(mind, played_with(life)), played_with(life), how.play_rounds, life.seed, 1)
     child = Child(mind, image, play)
-    return Grown(life, mind, limbs, glimpsed, outline, child, pool(child, life.agent, life.things))
+    return Grown(life, mind, limbs, glimpsed, outline, child, pool(child, life.seed, life.things))
 
 
 def played_with(life: Life) -> tuple[str, ...]:
@@ -107,7 +107,7 @@ def unplayed(whole: Grown) -> Grown:
     """The ablation: it never played."""
     nothing: Play = whole.child.play.nothing()
     child = replace(whole.child, play=nothing)
-    return replace(whole, child=child, own=pool(child, whole.life.agent, whole.life.things))
+    return replace(whole, child=child, own=pool(child, whole.life.seed, whole.life.things))
 
 
 def pool(child: Child, number: int, things: Sequence[str], careless: int = 0) -> dict[str, Trials]:
@@ -134,7 +134,7 @@ def adult(life: Life) -> Adult:
     """Grown like all, played longer, and shows what there is to be seen."""
     longer = replace(life, how=replace(life.how, play_rounds=max(ADULT_ROUNDS, life.how.play_rounds)))
     child = grown(longer).child
-    tries = pool(child, life.agent, played_with(life), CARELESS)
+    tries = pool(child, life.seed, played_with(life), CARELESS)
     shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),
              ("room", "press with the head", "lit by head", ROOM_TABLE_M))  # fmt: skip
     touches = {

@@ -37,7 +37,7 @@ def movements(who: Grown) -> Iterator[Trial]:
     for without, limbs in ((WHOLE, who.limbs), ("mirror", who.glimpsed)):
         rng = life.rng(1)
         for number in range(ACTS):
-            part, shown = act(who.limbs.parts, life.agent + number, rng)
+            part, shown = act(who.limbs.parts, life.seed + number, rng)
             found = -1 if limbs is None else identify(limbs.organs, shown, body.tick_s).part
             said, right = ("nothing", *who.limbs.parts)[found + 1], who.limbs.parts[part]
             yield Trial(life.agent, life.seed, without, IMITATOR, 1, "whose part", "single act", number, said, right,

@@ -1,6 +1,8 @@
 """Every stage of the chapter, one growing mind each, populations beside infants (chapter, sections 3.4 and 4)."""
 
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from experiments.battery.faces import Ward, bank, faces, looks
@@ -41,16 +43,16 @@ def run(config: Config) -> Result:
         seen = tuple(
             look for some in many(bank, looks(config.seed), doing="an adult's face is filmed") for look in some
         )
-        wards = [Ward(some, seen) for some in _wards(lives)]
-        trials += [row for some in many(faces, wards, doing="faces") for row in some]
+        newborn = _alike(lives, lambda life: (life.how.face_acts, life.seed))
+        wards = [Ward(some, seen) for some in _wards([some[0] for some in newborn.values()])]
+        for row in (row for some in many(faces, wards, doing="faces") for row in some):
+            alike = newborn[lives[row.agent].how.face_acts, row.seed]
+            trials += [replace(row, agent=life.agent) for life in alike]
         shards += len(wards)
     if stages := tuple(stage for stage in config.stages if stage != "face"):
-        childhoods = dict[tuple[object, ...], list[Life]]()
-        for life in lives:
-            childhoods.setdefault(life.childhood, []).append(life)
         tasks = [
             Shard(tuple(some), adults[some[0].seed % len(adults)] if adults else None, stages)
-            for some in childhoods.values()
+            for some in _alike(lives, lambda life: life.childhood).values()
         ]
         trials += [row for some in many(lived, tasks, doing="lives") for row in some]
         shards += len(tasks)
@@ -59,12 +61,18 @@ def run(config: Config) -> Result:
     return Result(done.metrics, summarise(done), figures(done), None, files(frame))
 
 
+def _alike(lives: list[Life], key: Callable[[Life], tuple[object, ...]]) -> dict[tuple[object, ...], list[Life]]:
+    """Lives by what they share."""
+    found = dict[tuple[object, ...], list[Life]]()
+    for life in lives:
+        found.setdefault(key(life), []).append(life)
+    return found
+
+
 def _wards(lives: list[Life]) -> list[tuple[Life, ...]]:
     """Those of one length of babbling side by side."""
-    alike = dict[int, list[Life]]()
-    for life in lives:
-        alike.setdefault(life.how.face_acts, []).append(life)
-    return [tuple(some[n : n + WARD]) for some in alike.values() for n in range(0, len(some), WARD)]
+    alike = _alike(lives, lambda life: (life.how.face_acts,)).values()
+    return [tuple(some[n : n + WARD]) for some in alike for n in range(0, len(some), WARD)]
 
 
 def summarise(done: Battery) -> str:
