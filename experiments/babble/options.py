@@ -5,12 +5,12 @@ from typing import Annotated
 
 import tyro
 
-from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Minutes, Robot, options
+from experiments.shared.options import BABBLING_MINUTES, BodyOptions, Minutes, Robot, ShardOptions, options, within
 from models.robots import ROBOTS
 
 
 @options
-class Config(BodyOptions):
+class Config(BodyOptions, ShardOptions):
     """Options of `imitate babble`."""
 
     robot: Robot = "hoap2"
@@ -21,6 +21,10 @@ class Config(BodyOptions):
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The file (runs/ROBOT.nc); its learning curve is drawn beside it. One that these options made is left as it is,
     one of other options is replaced."""
+
+    shards: Annotated[int, within(1, 100_000)] = 1
+    """After the pilot, to how many shards its bouts are dealt; from 2 on --workers or --scheduler do them. FILE does
+    not depend on it."""
 
     stand: bool = False
     """Afterwards, also learn to stand on one's own feet; FILE.balance.nc is left beside FILE.nc."""

@@ -8,8 +8,9 @@ import logging
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
+from multiprocessing import active_children
 from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
@@ -40,27 +41,12 @@ def cluster(scheduler: str, count: int) -> Iterator["Cluster"]:
         ExperimentError: `distributed` is not installed, there is no scheduler, or a worker is another program.
     """
     a_scheduler("--scheduler", scheduler)
-    distributed: Any = import_module("distributed")
+    distributed = import_module("distributed")
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said here
     with ExitStack() as stack:
         stack.enter_context(warnings.catch_warnings())
         warnings.filterwarnings("ignore", module="distributed")
-        address = scheduler
-        if scheduler == LOCAL:
-            here = stack.enter_context(TemporaryDirectory(prefix="imitate-"))
-            with signals_held():
-                own = distributed.LocalCluster(
-                    n_workers=count,
-                    threads_per_worker=1,
-                    host="127.0.0.1",
-                    dashboard_address=None,
-                    worker_dashboard_address=None,
-                    memory_limit=0,
-                    local_directory=here,
-                    silence_logs=logging.CRITICAL,
-                )
-            stack.callback(own.close)
-            address = own.scheduler_address
+        address = stack.enter_context(_of_this_machine(count)) if scheduler == LOCAL else scheduler
         try:
             client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
@@ -69,18 +55,48 @@ def cluster(scheduler: str, count: int) -> Iterator["Cluster"]:
                 f"address (tcp://HOST:8786), or take --scheduler {LOCAL}"
             ) from error
         stack.callback(client.close)
-        machines = Cluster(client, scheduler)
+        machines = Cluster(
+            client, scheduler, 3 if scheduler == LOCAL else 2
+        )  # a scheduler itself gives several of each
         machines.check()
         yield machines
+
+
+@contextmanager
+def _of_this_machine(count: int) -> Iterator[str]:
+    """The address of a cluster that can be reached from this machine alone."""
+    distributed, config = import_module("distributed"), import_module("dask.config")
+    others = {process.pid for process in active_children()}
+    asked = {
+        "distributed.scheduler.allowed-failures": 0,  # it is counted here
+        "distributed.deploy.lost-worker-timeout": "1 day",  # new ones load for long where there is much to do
+    }
+    with TemporaryDirectory(prefix="imitate-", ignore_cleanup_errors=True) as folder, config.set(asked):
+        with signals_held():
+            own = distributed.LocalCluster(
+                n_workers=count,
+                threads_per_worker=1,
+                host="127.0.0.1",
+                dashboard_address=None,
+                memory_limit=0,
+                local_directory=folder,
+                silence_logs=logging.CRITICAL,
+            )
+        try:
+            yield own.scheduler_address
+        finally:
+            with suppress(TimeoutError):
+                own.close(timeout=PATIENCE_S)
+            for process in active_children():
+                if process.pid not in others:
+                    process.kill()
 
 
 class Cluster:
     """The workers of a scheduler."""
 
-    tries = 2  # the scheduler itself gives a shard up only after the fourth worker
-
-    def __init__(self, client: Any, scheduler: str) -> None:
-        self._client, self._scheduler, self._waited = client, scheduler, False
+    def __init__(self, client: Any, scheduler: str, tries: int) -> None:
+        self._client, self._scheduler, self.tries, self._waited = client, scheduler, tries, False
 
     def check(self) -> None:
         """Compare the workers that are there with this program.

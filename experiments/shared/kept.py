@@ -24,9 +24,8 @@ import numpy as np
 
 import babbling.files as files
 from babbling.kinds import KINDS
-from babbling.whole import MARK, sweep, whole
+from babbling.whole import MARK, sweep, try_place, whole
 from experiments.errors import ExperimentError
-from experiments.shared.experiment import try_place
 from experiments.shared.options import Options
 from experiments.shared.provenance import LIBRARIES, MAKES_NO_DIFFERENCE
 from models.files import raw

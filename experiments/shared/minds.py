@@ -1,7 +1,8 @@
 """Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from contextlib import closing, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -29,6 +30,9 @@ round (6 s) does; but no sooner than so many times what keeping took last (0.2 s
 COPIES, PILOT_SHARE = 8, 0.6
 """Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
+Experiences = Generator[tuple[FloatArray, FloatArray], None, None]
+Elsewhere = Callable[[int, Pilot, tuple[int, ...], int], Experiences]
+"""(copies, pilot, ticks of each bout, the first bout still to do) -> `experience` of every bout from that one on."""
 
 
 def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody:
@@ -110,7 +114,12 @@ class HeldOut:
 
 
 def learn_mind(
-    options: BodyOptions, minutes: float, report: Callable[[float], None], *, checkpoint: Path | None = None
+    options: BodyOptions,
+    minutes: float,
+    report: Callable[[float], None],
+    *,
+    checkpoint: Path | None = None,
+    elsewhere: Elsewhere | None = None,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 
@@ -120,6 +129,7 @@ def learn_mind(
         report: progress, 0 to 1.
         checkpoint: where to keep what was learned so far, every `EVERY_S`; an interrupted babble goes on from there and
             ends with the same mind and numbers, wall times apart.
+        elsewhere: who has the experience of the bouts, if not this process.
     """
     copies = copies_for(minutes)
     body = body_of(options, copies)
@@ -164,7 +174,8 @@ def learn_mind(
     keep(first, EVERY_S)
     body.reseed(1 + first)
     clock = time.perf_counter()
-    babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    with nullcontext() if elsewhere is None else closing(elsewhere(copies, found, plan, first)) as had:
+        babble(body, found, plan, options.seed, onto=model, first=first, after_bout=after_bout, had=had)
     if not held_out.points:  # the pilot is all there is
         held_out.note(0.0, model)
     rehearsers = body_of(options, REHEARSERS, stream=1)
