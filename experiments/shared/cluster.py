@@ -4,10 +4,12 @@ Its workers share nothing with this machine but what is sent: a shard and what i
 (`experiments.shared.kept.versions`), which every shard checks: workers may join, leave and die at any time.
 """
 
+import asyncio
 import logging
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from multiprocessing import active_children
@@ -42,14 +44,18 @@ def cluster(scheduler: str, count: int) -> Iterator["Cluster"]:
     """
     a_scheduler("--scheduler", scheduler)
     distributed = import_module("distributed")
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said here
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said here
     with ExitStack() as stack:
         stack.enter_context(warnings.catch_warnings())
         warnings.filterwarnings("ignore", module="distributed")
         address = stack.enter_context(_of_this_machine(count)) if scheduler == LOCAL else scheduler
         try:
+            with ThreadPoolExecutor(1) as beside:  # a loop may run in this thread
+                beside.submit(asyncio.run, _greet(address)).result()
             client = distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
+        except Exception as error:  # whatever it makes of what somebody else may answer
             raise ExperimentError(
                 f"--scheduler {scheduler}: no Dask scheduler answers there; start one (dask scheduler), name its "
                 f"address (tcp://HOST:8786), or take --scheduler {LOCAL}"
@@ -60,6 +66,12 @@ def cluster(scheduler: str, count: int) -> Iterator["Cluster"]:
         )  # a scheduler itself gives several of each
         machines.check()
         yield machines
+
+
+async def _greet(address: str) -> None:
+    """See whether a scheduler answers; a client would wait for ever for somebody who is there and silent."""
+    comm = import_module("distributed.comm")
+    await (await asyncio.wait_for(comm.connect(address, timeout=PATIENCE_S), PATIENCE_S)).close()
 
 
 @contextmanager
@@ -116,6 +128,9 @@ class Cluster:
             f"--scheduler {self._scheduler}: the worker {address} is another program: {told}; install the same there"
         )
 
+    def _gone(self) -> NobodyWorks:
+        return NobodyWorks(f"--scheduler {self._scheduler}: it is gone; start it, and this again, which then goes on")
+
     @property
     def count(self) -> int:
         """Workers at present, as far as they are known here."""
@@ -143,6 +158,8 @@ class Cluster:
             raise Killed from error
         except Differs as error:
             raise self._differs(*error.args) from error
+        except CancelledError as error:
+            raise self._gone() from error
         finally:
             future.release()
 
@@ -153,7 +170,7 @@ class Cluster:
             NobodyWorks: the scheduler is gone.
         """
         if self._client.status != "running":
-            raise NobodyWorks(f"--scheduler {self._scheduler}: it is gone; start it and this again, which then goes on")
+            raise self._gone()
         if not self._waited and not self.count:
             self._waited = True
             say(f"--scheduler {self._scheduler}: there are no workers; waiting for some (dask worker ADDRESS)")

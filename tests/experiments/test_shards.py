@@ -298,7 +298,7 @@ def test_a_scheduler_that_goes_ends_it_in_a_line(tmp_path: Path, notes: Path) ->
             ]  # fmt: skip
             assert one.pid not in (None, only.pid)
             os.kill(int(str(one.pid)), signal.SIGKILL)
-            with pytest.raises(ExperimentError, match=f"^--scheduler {address}: it is gone; start it"):
+            with pytest.raises(ExperimentError, match=f"^--scheduler {address}: it is gone; start it, and"):
                 next(found)
 
 
