@@ -26,6 +26,9 @@ from experiments.stopping import say
 
 PATIENCE_S = 8.0
 """For a scheduler to answer."""
+AT_ONCE_S, LOADED_S = 2.0, 100.0
+"""For workers of this machine to end where others failed, and where all is well: one that takes the place of another
+that was killed loads first."""
 _ONE = Lock()
 """A worker does one shard at a time, however many threads it was given: libraries here need not stand more."""
 
@@ -94,11 +97,13 @@ def _of_this_machine(count: int) -> Iterator[str]:
                 local_directory=folder,
                 silence_logs=logging.CRITICAL,
             )
+        patience_s = AT_ONCE_S
         try:
             yield own.scheduler_address
+            patience_s = LOADED_S
         finally:
             with suppress(TimeoutError):
-                own.close(timeout=PATIENCE_S)
+                own.close(timeout=patience_s)
             for process in active_children():
                 if process.pid not in others:
                     process.kill()
