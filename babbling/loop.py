@@ -4,7 +4,7 @@ Experience comes in bouts that start from rest and do not depend on each other, 
 any machine, be interrupted and resumed, and still give the same counts.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -102,6 +102,7 @@ def babble(
     onto: M | None = None,
     first: int = 0,
     after_bout: Callable[[int, M], None] = lambda bout, model: None,
+    had: Iterable[tuple[FloatArray, FloatArray]] | None = None,
 ) -> M:
     """Run bouts `first` .. of `plan` and count them onto a forward model.
 
@@ -113,9 +114,12 @@ def babble(
         onto: what earlier bouts left; None starts empty.
         first: the first bout still to do.
         after_bout: called with (bouts done, forward model so far): a progress bar, a checkpoint, a learning curve.
+        had: the `experience` of these bouts, in order, where others have it; without, it is had here, bout by bout.
     """
     model = babbler.forward_model() if onto is None else onto
-    for bout in range(first, len(plan)):
-        babbler.learn(model, *experience(body, babbler, seed, bout, plan[bout]))
-        after_bout(bout + 1, model)
+    if had is None:
+        had = (experience(body, babbler, seed, bout, plan[bout]) for bout in range(first, len(plan)))
+    for done, run in enumerate(had, first + 1):
+        babbler.learn(model, *run)
+        after_bout(done, model)
     return model

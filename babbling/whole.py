@@ -85,6 +85,17 @@ def folder_beside(path: Path) -> Iterator[Path]:
                 os.close(held)
 
 
+def try_place(out: Path) -> None:
+    """Make a folder where `out` would be, and remove it: permissions alone do not tell whether that will do.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    place = out.absolute().resolve()
+    with folder_beside(next(above for above in place.parents if above.exists()) / place.name):
+        pass
+
+
 def sweep(path: Path) -> bool:
     """Remove what dead processes left of writing `path`; whether an older one, which one of them had put aside, is back
     under its name."""

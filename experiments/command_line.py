@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from babbling.errors import BabblingError
-from experiments.errors import ExperimentError
+from experiments.errors import ExperimentError, UnfinishedError
 from experiments.registry import EXPERIMENTS, Entry, entry
 from experiments.stopping import say, work
 from models.errors import BodyError
@@ -29,7 +29,7 @@ USAGE = """usage: imitate NAME [options] | imitate list | imitate NAME --help | 
 
 
 def obey(words: list[str]) -> int:
-    """Run one experiment; the exit status is 0, or 2 for what the user can mend."""
+    """Run one experiment; the exit status is 0, 1 where a part failed, or 2 for what the user can mend."""
     try:
         alone = words[:1] in (["-h"], ["--help"], ["list"], ["--version"])
         if alone and words[1:]:
@@ -43,7 +43,7 @@ def obey(words: list[str]) -> int:
         return run(words[0], words[1:])
     except (BabblingError, BodyError) as error:
         say(" ".join(str(error).split()))
-        return 2
+        return 1 if isinstance(error, UnfinishedError) else 2
 
 
 def about() -> str:
@@ -111,8 +111,11 @@ def do(one: Entry, name: str, config: "Options") -> Path:
     with studying(config, folder(name, config)):
         result = module.run(config)
         out = publish(name, config, result)
-    show(result.summary)
-    print("\n" + opened(out))
+        show(result.summary)
+        print("\n" + opened(out))
+        if result.failed:  # what succeeded is kept for the next time
+            failed = f"{len(result.failed)} failed: {' | '.join(result.failed)}"
+            raise UnfinishedError(f"{out} holds what succeeded; {failed}; said again, only these are done again")
     return out
 
 

@@ -5,3 +5,7 @@ from babbling.errors import BabblingError
 
 class ExperimentError(BabblingError):
     """Something about an experiment's options that the user can mend."""
+
+
+class UnfinishedError(ExperimentError):
+    """Results are there, but not all of them."""

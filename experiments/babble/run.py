@@ -2,12 +2,14 @@
 
 import shlex
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from babbling.balance import Balance
 from babbling.files import VERSION, is_kind, load, save
 from babbling.mind import Mind
 from babbling.whole import sweep, whole
+from experiments.babble.bouts import in_shards
 from experiments.babble.options import Config
 from experiments.errors import ExperimentError
 from experiments.gesture.figures import babbling_curve
@@ -78,7 +80,8 @@ def command(config: Config) -> Path:
 def babbled(config: Config, out: Path, checkpoint: Path, told: Mapping[str, str | float], rows: Rows) -> Mind:
     """Babble and write what was learned, its numbers and its curve; rows are added to the table."""
     with progress(f"{config.robot} babbles") as report:
-        learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint)
+        elsewhere = partial(in_shards, config) if config.shards > 1 or config.scheduler is not None else None
+        learned = learn_mind(config, config.babbling_minutes, report, checkpoint=checkpoint, elsewhere=elsewhere)
     metrics, curve = {"robot": config.robot, "seed": config.seed, **learned.metrics}, learned.curve
     assert curve is not None
     with writing(out, "file"):
@@ -128,6 +131,8 @@ def with_eyes(config: Config) -> Path:
         raise ExperimentError(
             f"--sensor-noise-deg and --scramble are for bodies of many joints; {config.robot} has neither"
         )
+    if config.shards > 1 or config.scheduler is not None:
+        raise ExperimentError(f"--shards and --scheduler are for bodies of many joints; {config.robot} babbles here")
     if config.out is not None and config.out.suffix:
         raise ExperimentError(
             f"--out {config.out}: {config.robot} leaves a folder (recording, figures, eyes.nc); name a folder"

@@ -21,8 +21,14 @@ TRIES = 3
 class Ward:
     """Newborns whose bodies are stepped side by side, and what there is to be seen."""
 
-    lives: tuple[Life, ...]
+    lives: tuple[tuple[Life, ...], ...]
+    """Of every newborn; those that differ in nothing that its face depends on."""
     bank: tuple[Look, ...]
+
+    @property
+    def label(self) -> str:
+        """In words."""
+        return f"faces of agents {self.lives[0][0].agent} to {self.lives[-1][-1].agent}"
 
 
 def looks(seed: int) -> list[Looking]:
@@ -39,14 +45,16 @@ def bank(looking: Looking) -> list[Look]:
 
 def faces(ward: Ward) -> list[Trial]:
     """Every infant is shown every gesture, strong and weak, once."""
-    first = ward.lives[0]
-    group = Group(FACES["newborn"], 3000 + first.seed, len(ward.lives), first.how.face_acts, first.seed)
+    newborn = [some[0] for some in ward.lives]
+    first = newborn[0]
+    group = Group(FACES["newborn"], 3000 + first.seed, len(newborn), first.how.face_acts, first.seed)
     infants = raised(group)
     kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
     of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]
-    mine = [[some[int(life.rng(5, kind).integers(len(some)))] for kind, some in enumerate(of)] for life in ward.lives]
+    mine = [[some[int(life.rng(5, kind).integers(len(some)))] for kind, some in enumerate(of)] for life in newborn]
     answers, _ = answered(group, infants, mine, TRIES)
-    return [row for n, life in enumerate(ward.lives) for row in _rows(life, infants[n], mine[n], answers.labels[n])]
+    told = zip(ward.lives, infants, mine, answers.labels, strict=True)
+    return [row for alike, *what in told for life in alike for row in _rows(life, *what)]
 
 
 def _rows(life: Life, infant: Infant, seen: Sequence[Look], labels: IntArray) -> Iterator[Trial]:

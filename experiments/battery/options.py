@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from experiments.shared.options import Flag, N, Options, options, some, within, written
+from experiments.shared.options import Flag, N, ShardOptions, options, some, within, written
 
 Stage = Literal["movements", "gaze", "face", "objects"]
 STAGES: tuple[Stage, ...] = ("movements", "gaze", "face", "objects")
@@ -10,7 +10,7 @@ QUICK_AGENTS, AGENTS = 20, 200
 
 
 @options
-class Config(Options):
+class Config(ShardOptions):
     """Options of `imitate battery`."""
 
     quick: Flag = False
@@ -24,8 +24,8 @@ class Config(Options):
     of babbling_minutes, mirror_minutes, looking_minutes, gaze_lessons, face_acts, play_rounds, acts, shown, exponent,
     trust, own_weight, gives_up, goes_on, repeats, all_somebody, as_itself, even_goals, forgets, aim_deg,
     seeing_noise_deg."""
-    workers: Annotated[int, within(1, 256), N] = 2
-    """Processes; the result does not depend on it."""
+    only: Annotated[int | None, within(0, 100_000_000), written("N", "all of them")] = None
+    """One agent alone, by its number: its rows, no figures."""
 
     @property
     def population(self) -> int:

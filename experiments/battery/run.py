@@ -1,21 +1,23 @@
 """Every stage of the chapter, one growing mind each, populations beside infants (chapter, sections 3.4 and 4)."""
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 from experiments.battery.faces import Ward, bank, faces, looks
 from experiments.battery.figures import figures
 from experiments.battery.found import Battery, told
-from experiments.battery.life import Life, adult
+from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
 from experiments.battery.parameters import FEW_THINGS, QUICK, THINGS, Parameters
 from experiments.battery.shards import Shard, lived
 from experiments.battery.table import files, tidy
 from experiments.battery.vary import designs, parse
+from experiments.errors import ExperimentError
+from experiments.face.watching import Look
 from experiments.shared.experiment import Result
-from experiments.shared.parallel import in_parallel
+from experiments.shared.parallel import Failure, attempted, succeeded
 from experiments.shared.tables import table
 
 ADULTS = 2
@@ -27,7 +29,11 @@ WARD = 20
 
 
 def run(config: Config) -> Result:
-    """Adults first, then faces and lives, whoever is ready; table, verdicts, figures."""
+    """Adults first, then faces and lives, whoever is ready; table, verdicts, figures.
+
+    Raises:
+        ExperimentError: nobody could be watched, or nobody lived.
+    """
     config.check()
     began = time.perf_counter()
     base = QUICK if config.quick else Parameters()
@@ -35,44 +41,54 @@ def run(config: Config) -> Result:
     cells = designs(varied, base, config.population)
     things = FEW_THINGS if config.quick else THINGS
     lives = [Life(one.agent, 1000 * config.seed + one.block, one.parameters, things) for one in cells]
-    many = partial(in_parallel, workers=config.workers)
+    tasks = partial(_tasks, config, lives if config.only is None else [_only(lives, config.only)])
+    many = partial(attempted, workers=config.workers, scheduler=config.scheduler)
     grown_up = [Life(ADULT_SEEDS + n, ADULT_SEEDS + 1000 * config.seed + n, base, things) for n in range(ADULTS)]
-    adults = many(adult, grown_up, doing="adults grow up") if "objects" in config.stages else []
-    trials, shards = [], len(adults)
+    adults = succeeded(many(adult, grown_up, doing="adults grow up")) if "objects" in config.stages else []
+    filmed = succeeded(many(bank, looks(config.seed), doing="a face is filmed")) if "face" in config.stages else []
+    wards, shards = tasks(tuple(look for some in filmed for look in some), adults)
+    done = [*many(faces, wards, doing="faces"), *many(lived, shards, doing="lives")]
+    failed = tuple(str(one) for one in done if isinstance(one, Failure))
+    rows = [row for some in done if not isinstance(some, Failure) for row in some]
+    if not rows:
+        raise ExperimentError(f"nobody lived: {' | '.join(failed)}")
+    frame = tidy(rows, {one.agent: one.factors for one in cells} if varied else None)
+    took_s, count = time.perf_counter() - began, len(adults) + len(filmed) + len(wards) + len(shards)
+    battery = Battery(config, frame, tuple(varied), failed, count, took_s)
+    drawn = figures(battery) if config.only is None else {}
+    return Result(battery.metrics, summarise(battery), drawn, None, files(frame), failed)
+
+
+def _only(lives: list[Life], agent: int) -> Life:
+    if agent >= len(lives):
+        raise ExperimentError(f"--only {agent}: there are {len(lives)} agents, counted from 0")
+    return lives[agent]
+
+
+def _tasks(
+    config: Config, lives: list[Life], seen: tuple[Look, ...], adults: list[Adult]
+) -> tuple[list[Ward], list[Shard]]:
+    """Wards of newborns' faces, and lives: whatever a number does not depend on, it has in common with others."""
+    wards, shards = list[Ward](), list[Shard]()
     if "face" in config.stages:
-        seen = tuple(
-            look for some in many(bank, looks(config.seed), doing="an adult's face is filmed") for look in some
-        )
-        newborn = _alike(lives, lambda life: (life.how.face_acts, life.seed))
-        wards = [Ward(some, seen) for some in _wards([some[0] for some in newborn.values()])]
-        for row in (row for some in many(faces, wards, doing="faces") for row in some):
-            alike = newborn[lives[row.agent].how.face_acts, row.seed]
-            trials += [replace(row, agent=life.agent) for life in alike]
-        shards += len(wards)
+        newborn = list(_alike(lives, lambda life: (life.how.face_acts, life.seed)).values())
+        for group in _alike(newborn, lambda some: (some[0].how.face_acts,)).values():
+            wards += [Ward(tuple(map(tuple, group[n : n + WARD])), seen) for n in range(0, len(group), WARD)]
     if stages := tuple(stage for stage in config.stages if stage != "face"):
-        tasks = [
-            Shard(tuple(some), adults[some[0].seed % len(adults)] if adults else None, stages)
-            for some in _alike(lives, lambda life: life.childhood).values()
-        ]
-        trials += [row for some in many(lived, tasks, doing="lives") for row in some]
-        shards += len(tasks)
-    frame = tidy(trials, {one.agent: one.factors for one in cells} if varied else None)
-    done = Battery(config, frame, tuple(varied), (), shards, time.perf_counter() - began)
-    return Result(done.metrics, summarise(done), figures(done), None, files(frame))
+        for some in _alike(lives, lambda life: life.childhood).values():
+            watched = adults[some[0].seed % len(adults)] if adults else None
+            asked = " ".join(["--quick"] * config.quick + ["--vary", *config.vary] * bool(config.vary))
+            alone = f"imitate battery {asked} --agents {config.population} --seed {config.seed} --only {some[0].agent}"
+            shards.append(Shard(tuple(some), watched, stages, " ".join(alone.split())))
+    return wards, shards
 
 
-def _alike(lives: list[Life], key: Callable[[Life], tuple[object, ...]]) -> dict[tuple[object, ...], list[Life]]:
-    """Lives by what they share."""
-    found = dict[tuple[object, ...], list[Life]]()
-    for life in lives:
-        found.setdefault(key(life), []).append(life)
+def _alike(many: Sequence[Any], key: Callable[[Any], tuple[object, ...]]) -> dict[tuple[object, ...], list[Any]]:
+    """By what they share."""
+    found = dict[tuple[object, ...], list[Any]]()
+    for one in many:
+        found.setdefault(key(one), []).append(one)
     return found
-
-
-def _wards(lives: list[Life]) -> list[tuple[Life, ...]]:
-    """Those of one length of babbling side by side."""
-    alike = _alike(lives, lambda life: (life.how.face_acts,)).values()
-    return [tuple(some[n : n + WARD]) for some in alike for n in range(0, len(some), WARD)]
 
 
 def summarise(done: Battery) -> str:

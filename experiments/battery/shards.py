@@ -19,7 +19,12 @@ class Shard:
     """For stages with objects."""
     stages: tuple[str, ...]
 
-    def __str__(self) -> str:
+    alone: str = ""
+    """The command that lives it alone."""
+
+    @property
+    def label(self) -> str:
+        """In words."""
         return f"agent {self.lives[0].agent} (seed {self.lives[0].seed})"
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from babbling.errors import BabblingError
 from babbling.files import is_kind
-from babbling.whole import folder_beside, sweep, whole
+from babbling.whole import sweep, try_place, whole
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
 from experiments.shared.progress import progress
@@ -43,6 +43,8 @@ class Result:
     """Writes the recording to the path it is given."""
     files: Mapping[str, Callable[[Path], None]] = field(default_factory=dict)
     """Further files: name -> writer."""
+    failed: tuple[str, ...] = ()
+    """What came to nothing while all else went on, a line each."""
 
 
 class Described(NamedTuple):
@@ -156,17 +158,6 @@ def have_back(out: Path) -> None:
         ) from error
     if sweep(out.absolute().resolve()):
         say(f"{out}: whoever was replacing this was killed; the older result is back")
-
-
-def try_place(out: Path) -> None:
-    """Make a folder where `out` would be, and remove it: permissions alone do not tell whether that will do.
-
-    Raises:
-        OSError: it cannot be written.
-    """
-    place = out.absolute().resolve()
-    with folder_beside(next(above for above in place.parents if above.exists()) / place.name):
-        pass
 
 
 def check_file(out: Path, holds: type, what: str, beside: Sequence[Path] = (), *, new: bool = False) -> None:

@@ -8,6 +8,7 @@ import hashlib
 import io
 import json
 import os
+import platform
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
@@ -17,15 +18,14 @@ from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FunctionType
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_args, get_type_hints
 
 import numpy as np
 
 import babbling.files as files
 from babbling.kinds import KINDS
-from babbling.whole import MARK, sweep, whole
+from babbling.whole import MARK, sweep, try_place, whole
 from experiments.errors import ExperimentError
-from experiments.shared.experiment import try_place
 from experiments.shared.options import Options
 from experiments.shared.provenance import LIBRARIES, MAKES_NO_DIFFERENCE
 from models.files import raw
@@ -77,29 +77,56 @@ def keeper(work: Callable[..., Found]) -> Callable[..., Found]:
     return partial(_kept, work, _folders[-1], _program()) if _folders else work
 
 
+def part_of(work: Callable[..., Found], *task: Any) -> "Part | None":
+    """Where the block keeps what `work(*task)` finds, if it does, for who is handed it by somebody else.
+
+    Raises:
+        ExperimentError: the folder cannot be written.
+    """
+    return _part(work, _folders[-1], _program(), task) if _folders else None
+
+
+class Part(NamedTuple):
+    """A file of what was found, and the classes that may be in it."""
+
+    path: Path
+    classes: Mapping[str, type]
+
+    def read(self) -> tuple[Any] | None:
+        """What was found; None where it is not there, or, which is said, cannot be used."""
+        if self.path.exists():
+            try:
+                return (_read(self.path, self.classes),)
+            except Exception as error:  # NumPy, zipfile and HDF5 raise many kinds on damaged files
+                print(f"imitate: {self.path}: cannot be used ({str(error)[:80]}); it is done again", file=sys.stderr)
+        with _writing(self.path.parent):  # tried now, not after the work
+            try_place(self.path)
+        return None
+
+    def keep(self, found: Any) -> Any:
+        """Write it; what was found, as whoever goes on is given it."""
+        arrays = list[Array]()
+        tree = np.frombuffer(json.dumps(_put(found, arrays, self.classes)).encode(), np.uint8)
+        with _writing(self.path.parent), whole(self.path) as beside, beside.open("wb") as file:
+            np.savez(file, tree, *arrays)
+        return _take(json.loads(tree.tobytes()), arrays, self.classes)
+
+
 def _kept(work: Callable[..., Found], folder: Path, program: str, *task: Any, **aside: Any) -> Found:
+    part = _part(work, folder, program, task)
+    known = part.read()
+    found: Found = known[0] if known is not None else part.keep(work(*task, **aside))
+    return found
+
+
+def _part(work: Callable[..., Any], folder: Path, program: str, task: tuple[Any, ...]) -> Part:
     digest = hashlib.sha256(program.encode())
     _tell(digest.update, (work, task))
     bare: Any = work.func if isinstance(work, partial) else work
     classes = dict[str, type]()
     for hint in (get_type_hints(bare, include_extras=True)["return"], *bare.__globals__.values()):
         _classes(hint, classes)
-    path = folder / f"{bare.__name__}-{digest.hexdigest()[:16]}{SUFFIX}"
-    if path.exists():
-        try:
-            found: Found = _read(path, classes)
-        except Exception as error:  # NumPy, zipfile and HDF5 raise many kinds on damaged files
-            print(f"imitate: {path}: cannot be used ({str(error)[:80]}); it is done again", file=sys.stderr)
-        else:
-            return found
-    with _writing(folder):  # tried now, not after the work
-        try_place(path)
-    found, arrays = work(*task, **aside), list[Array]()
-    tree = np.frombuffer(json.dumps(_put(found, arrays, classes)).encode(), np.uint8)
-    with _writing(folder), whole(path) as beside, beside.open("wb") as file:
-        np.savez(file, tree, *arrays)
-    again: Found = _take(json.loads(tree.tobytes()), arrays, classes)  # as whoever goes on is given it
-    return again
+    return Part(folder / f"{bare.__name__}-{digest.hexdigest()[:16]}{SUFFIX}", classes)
 
 
 @contextmanager
@@ -117,15 +144,20 @@ def _read(path: Path, classes: Mapping[str, type]) -> Any:
     return _take(json.loads(tree.tobytes()), arrays, classes)
 
 
-@cache
 def _program() -> str:
-    """All that runs, and the libraries it was found with."""
-    digest = hashlib.sha256(repr([(name, version(name)) for name in LIBRARIES]).encode())
-    home = Path(__file__).resolve().parents[2]
+    return repr(versions())
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Of all that runs: libraries, Python, and this project with what its files say."""
+    digest, home = hashlib.sha256(), Path(__file__).resolve().parents[2]
     for path in sorted(path for name in ("models", "babbling", "imitation", "experiments") for path in home.glob(
         f"{name}/**/*") if path.suffix in (".py", ".xml", ".txt", ".stl", ".obj")):  # fmt: skip
         digest.update(str(path.relative_to(home)).encode() + hashlib.sha256(path.read_bytes()).digest())
-    return digest.hexdigest()
+    ours = f"{version('imitation-laboratory')} with files {digest.hexdigest()[:12]}"
+    libraries = {name: version(name) for name in LIBRARIES}
+    return {"imitation-laboratory": ours, "Python": platform.python_version(), **libraries}
 
 
 def _tell(update: Callable[[bytes], None], thing: Any) -> None:

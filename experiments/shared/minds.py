@@ -1,7 +1,8 @@
 """Getting a mind: babble anew, go on with an interrupted babble, or take one from a file."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -34,6 +35,9 @@ COPIES, PILOT_SHARE = 8, 0.6
 BARE_TICKS = 100
 REHEARSAL_S, REHEARSAL_COST = 37.2, 4.4
 """For progress alone: how long rehearsing moves a body, and what a tick of it costs in ticks of babbling."""
+Experiences = Generator[tuple[FloatArray, FloatArray], None, None]
+Elsewhere = Callable[[int, Pilot, tuple[int, ...], int], Experiences]
+"""(copies, pilot, ticks of each bout, the first bout still to do) -> `experience` of every bout from that one on."""
 
 
 def body_of(options: BodyOptions, copies: int, stream: int = 0) -> SimulatedBody:
@@ -94,6 +98,7 @@ def learn_mind(
     *,
     checkpoint: Path | None = None,
     candidates: int = CANDIDATES,
+    elsewhere: Elsewhere | None = None,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 
@@ -104,6 +109,7 @@ def learn_mind(
         checkpoint: where to keep what was learned so far, every `EVERY_S`; an interrupted babble goes on from there and
             ends with the same mind and numbers, wall times apart.
         candidates: see `rehearse`.
+        elsewhere: who has the experience of the bouts, if not this process.
     """
     copies = copies_for(minutes)
     body = body_of(options, copies)
@@ -111,12 +117,12 @@ def learn_mind(
     plan = bouts(more, body) if more * 60 > body.tick_s * copies else ()
     kept, cost_s = (clock := time.perf_counter()), 0.0
     left = _left(checkpoint, body, options, minutes, plan)
-    piloting, rehearsing = pilot_minutes(1) * 60 / body.tick_s, REHEARSAL_S / body.tick_s
-    whole = piloting + sum(plan) + REHEARSAL_COST * rehearsing
-    before, babbled = piloting / whole, (piloting + sum(plan)) / whole
+    pilot_ticks, rehearsing = pilot_minutes(1) * 60 / body.tick_s, REHEARSAL_S / body.tick_s
+    whole = pilot_ticks + sum(plan) + REHEARSAL_COST * rehearsing
+    before, babbled = pilot_ticks / whole, (pilot_ticks + sum(plan)) / whole
     if left is None:
         runs = list[tuple[FloatArray, FloatArray]]()
-        with ticking(body, part(report, 0, before), piloting):
+        with ticking(body, part(report, 0, before), pilot_ticks):
             found, model = begin(body, options.seed, lambda *run: runs.append(run))
         first, rehearsed, (piloted, spent) = 0, list[FloatArray](), (time.perf_counter() - clock, 1e-9)
     else:
@@ -136,6 +142,8 @@ def learn_mind(
     if left is None:
         held_out.note_pilot(*runs[0], found)
         look(within=False)
+        if elsewhere is not None:  # no tick is felt here
+            part(report, before, babbled)(done / len(plan))
 
     def unrehearsed() -> Mind:
         return Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
@@ -166,8 +174,11 @@ def learn_mind(
     body.reseed(1 + first)
     clock = time.perf_counter()
     watched = Watched(found, partial(look, within=True))
-    with ticking(body, part(report, before, babbled), sum(plan), sum(plan[:first])):
-        babble(body, watched, plan, options.seed, onto=model, first=first, after_bout=after_bout)
+    with (
+        ticking(body, part(report, before, babbled), sum(plan), sum(plan[:first])),
+        nullcontext() if elsewhere is None else closing(elsewhere(copies, found, plan, first)) as had,
+    ):
+        babble(body, watched, plan, options.seed, onto=model, first=first, after_bout=after_bout, had=had)
     rehearsers = body_of(options, REHEARSERS, stream=1)
     with ticking(rehearsers, part(report, babbled, 1), rehearsing):
         mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)

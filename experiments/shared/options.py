@@ -4,6 +4,7 @@ What stands here and in every `experiments/NAME/options.py` is light to load: he
 """
 
 import ast
+import re
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -27,6 +28,8 @@ from models.teachers.demonstrations import find as find_demonstration
 
 BABBLING_MINUTES = 12.333
 """Body-minutes in all: HOAP-2's pilot takes the first 2 1/3 of them."""
+LOCAL = "local"
+"""Instead of a scheduler's address: a cluster of processes of this machine."""
 LONGEST_MINUTES, LARGEST_FILE, MOST_PUSH, MOST_NAMES, LARGEST_SEED = 1e5, 1 << 40, 500.0, 1000, 4_000_000_000
 MIRROR_MINUTES = 6.0
 """Body-minutes in front of the mirror; `imitate correspondence` shows what fewer and more would give."""
@@ -107,6 +110,17 @@ def a_film(option: str, kind: str) -> None:
         )
 
 
+def a_scheduler(option: str, told: str) -> None:
+    """`local`, or the address of a Dask scheduler; where Dask is installed."""
+    if told != LOCAL and not re.fullmatch(r"(tcp|tls)://(\[[0-9a-fA-F:]+\]|[\w.-]+):\d{1,5}", told):
+        raise ExperimentError(f"{option} {told[:60]}: it must be tcp://HOST:PORT of a Dask scheduler, or {LOCAL}")
+    if find_spec("distributed") is None:
+        raise ExperimentError(
+            f"{option}: the package distributed is not installed; pip install 'imitation-laboratory[cluster]', "
+            "or leave it out"
+        )
+
+
 def choices(names: Iterable[str], most: int = 20) -> str:
     """Names as help shows them; beyond so many, dots."""
     first = [f'"{name}"' if " " in name else name for name in islice(names, most + 1)]
@@ -126,6 +140,7 @@ Film = Annotated[Literal["mp4", "gif"], a_film]
 Flag = Annotated[bool, tyro.conf.arg(help_behavior_hint="(default: no)")]
 Minutes = Annotated[float, within(0, LONGEST_MINUTES, above=True), written("MINUTES")]
 Robot = Annotated[str, known(find_robot), written(ROBOT)]
+Scheduler = Annotated[str, a_scheduler, written("ADDRESS|local")]
 Seed = Annotated[int, within(0, LARGEST_SEED), written("SEED")]
 Selection = Annotated[str, known(selection_rule), written(choices(SELECTION))]
 Category = Annotated[str, known(selection_rule), written(choices(name for name in SELECTION if name != "mean"))]
@@ -200,6 +215,17 @@ class Options:
             ExperimentError, BodyError, BabblingError: the option, what is wrong with it and what is possible.
         """
         obey_all(self)
+
+
+@options
+class ShardOptions(Options):
+    """Who does what can be done apart."""
+
+    workers: Annotated[int, within(1, 256), N] = 2
+    """Processes; the result does not depend on it."""
+    scheduler: Annotated[Scheduler | None, written("ADDRESS|local", "processes of this machine")] = None
+    """tcp://HOST:PORT of a Dask scheduler, whose workers do it instead; or local, a Dask cluster of --workers processes
+    of this machine. The result does not depend on it."""
 
 
 @options

@@ -9,7 +9,7 @@ from typing import Any
 from experiments.shared.options import Options
 
 LIBRARIES = ("mujoco", "dm-control", "pin", "numpy", "scipy", "h5netcdf", "rerun-sdk", "matplotlib")
-MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "threads", "keep")
+MAKES_NO_DIFFERENCE = ("out", "quiet", "workers", "scheduler", "shards", "threads", "keep")
 """Options that results do not depend on."""
 
 

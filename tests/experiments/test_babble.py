@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import experiments.babble.bouts as babble_bouts
 from babbling.files import load
 from babbling.files import save as write
 from babbling.mind import Mind
@@ -105,6 +106,7 @@ def replace(one, other):
     if f"after {count}" == when:
         os.kill(os.getpid(), signal.SIGKILL)
 os.replace = replace
+import experiments.babble.bouts as babble_bouts
 from experiments.__main__ import main
 sys.exit(main())
 """
@@ -207,3 +209,36 @@ def test_the_learning_curve_is_no_worse_than_the_line(hasty: None, arm: Path) ->
     assert (np.diff(curve.minutes) > 0).all()
     assert (curve.table < 1.05 * curve.line).all()
     assert curve.table[-1] < 1.02 * curve.table[0]
+
+
+@pytest.mark.parametrize("how", [("3", "--workers", "1"), ("2", "--workers", "2"), ("3", "--scheduler", "local")])
+def test_shards_make_no_difference(arm: Path, whole: Path, hasty: None, tmp_path: Path, how: tuple[str, ...]) -> None:
+    """To file, curve and numbers: in this process, in two, on a cluster."""
+    if "local" in how:
+        pytest.importorskip("distributed", reason="distributed is not installed: extra `cluster`")
+    out = tmp_path / "arm.nc"
+    assert main(command(arm, out, "--sensor-noise-deg", "0.1", "--shards", *how)) == 0
+    assert_same_file(out, whole)
+    assert_same_beside(out, whole)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
+
+
+@pytest.mark.parametrize("after", [1, 3])
+def test_interrupted_it_goes_on_in_other_shards(
+    arm: Path, whole: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    out, words = tmp_path / "arm.nc", ("--sensor-noise-deg", "0.1", "--workers", "1", "--shards")
+    with monkeypatch.context() as patch:
+        interrupting(after, patch)
+        assert main(command(arm, out, *words, "2")) == 130
+    had: list[int] = []
+    real = babble_bouts.have
+    monkeypatch.setattr(babble_bouts, "have", lambda shard: had.append(shard.first) or real(shard))
+    assert main(command(arm, out, *words, "3")) == 0
+    assert_same_file(out, whole)
+    assert had[0] == after - 1  # what was learned is not had again
+
+
+def test_eyes_babble_here(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["babble", "--robot", "biclops", "--shards", "2", "--out", str(tmp_path / "b")]) == 2
+    assert "--shards and --scheduler are for bodies of many joints; biclops" in capsys.readouterr().err

@@ -106,7 +106,7 @@ def test_who_never_played_knows_nothing_of_things(grown: Grown) -> None:
 def test_every_infant_is_shown_every_gesture_once() -> None:
     some = replace(QUICK, face_acts=90)
     seen = bank(looks(0)[0])
-    ward = Ward(tuple(Life(n, n, some, THINGS) for n in range(2)), tuple(seen))
+    ward = Ward(tuple((Life(n, n, some, THINGS),) for n in range(2)), tuple(seen))
     found = tidy(faces(ward))
     counted = found[found["condition"] != "nothing shown"].groupby(["agent", "condition"]).size()
     assert len(counted) == 24 and (counted == 3).all()

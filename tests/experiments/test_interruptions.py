@@ -38,7 +38,7 @@ def obey(words):
         new.write_text("half")
         if how == "lost":
             Lost()
-        if how == "workers":
+        if how in ("workers", "cluster"):
             from threading import Thread
             from experiments.shared.parallel import in_parallel
             def begun():
@@ -47,7 +47,7 @@ def obey(words):
                 time.sleep(0.15)  # they are loading
                 ready()
             Thread(target=begun, daemon=True).start()
-            in_parallel(time.sleep, [60, 60, 60, 60], 2, "sleeping")
+            in_parallel(time.sleep, [60, 60, 60, 60], 2, "sleeping", "local" if how == "cluster" else None)
         ready()
         time.sleep(60)
     return 0
@@ -91,13 +91,17 @@ def gone(pids: Sequence[int]) -> bool:
         ("lost", signal.SIGINT, False),
         ("workers", signal.SIGINT, True),  # as a terminal does
         ("workers", signal.SIGTERM, False),
+        ("cluster", signal.SIGINT, True),
+        ("cluster", signal.SIGTERM, False),
     ],
 )
 def test_told_to_stop_it_does_so_in_a_line_and_leaves_nothing(
     tmp_path: Path, how: str, number: signal.Signals, group: bool
 ) -> None:
+    if how == "cluster":
+        pytest.importorskip("distributed", reason="distributed is not installed: extra `cluster`")
     process, workers = begun(how, tmp_path)
-    assert len(workers) == (2 if how == "workers" else 0)
+    assert len(workers) == (2 if how in ("workers", "cluster") else 0)
     (os.killpg if group else os.kill)(process.pid, number)
     said = process.communicate(timeout=60)[1]
     assert process.returncode == 128 + number
@@ -105,8 +109,11 @@ def test_told_to_stop_it_does_so_in_a_line_and_leaves_nothing(
     assert os.listdir(tmp_path) == [] and gone(workers)
 
 
-def test_who_is_killed_leaves_no_orphans(tmp_path: Path) -> None:
-    process, workers = begun("workers", tmp_path)
+@pytest.mark.parametrize("how", ["workers", "cluster"])
+def test_who_is_killed_leaves_no_orphans(tmp_path: Path, how: str) -> None:
+    if how == "cluster":
+        pytest.importorskip("distributed", reason="distributed is not installed: extra `cluster`")
+    process, workers = begun(how, tmp_path)
     process.kill()
     assert len(workers) == 2 and gone(workers)
     process.communicate(timeout=60)
