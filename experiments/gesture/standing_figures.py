@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.gesture.standing_found import Stands
-from experiments.shared.figures import captioned, rates
+from experiments.shared.figures import captioned, legend_above, rates
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
@@ -55,14 +55,14 @@ def standing(stands: Stands) -> Figure:
         axes.axhspan(-1.3, -1, color=PLAIN, alpha=0.3)
         axes.set(ylabel="pressure, 1 = edge", ylim=(-1.3, 1.3), title=f"Pressure {name}")
         if k == 0:
-            axes.legend(frameon=False, ncols=4, fontsize=8)
+            legend_above(axes)
     axes = figure.add_subplot(grid[2, 0])
     for k, name in enumerate(DIRECTIONS):
         axes.plot(time, np.rad2deg(stands.ours.plan.offset[:, 0, k]), color=(OURS, THEIRS)[k], label=name)
     axes.set(
         xlabel="time since the movement began [s]", ylabel="offset [deg]", title="What Eq. (1) adds to the posture"
     )
-    axes.legend(frameon=False, ncols=2, fontsize=8)
+    legend_above(axes)
     axes = figure.add_subplot(grid[:, 1])
     for who, one in reversed(stands.done.items()):
         felt = stands.pressed(one.loads[one.upright[:, 0], 0])
@@ -71,7 +71,7 @@ def standing(stands: Stands) -> Figure:
     axes.set(
         xlabel="left and right", ylabel="forward and back", title="Pressure between the soles' edges", aspect="equal"
     )
-    axes.legend(frameon=False, fontsize=8)
+    legend_above(axes)
     fell = [who for who, one in stands.done.items() if one.fell[0]]
     figure.suptitle(f"{stands.config.demonstration}, standing; fell: {', '.join(fell) or 'nobody'}", fontsize=11)
     return figure

@@ -20,7 +20,7 @@ from babbling.whole import folder_beside, sweep, whole
 from experiments.errors import ExperimentError
 from experiments.shared.options import Options
 from experiments.shared.provenance import MAKES_NO_DIFFERENCE, provenance
-from experiments.shared.report import draw, page
+from experiments.shared.report import drawn, page
 from experiments.stopping import say
 from models.files import text
 
@@ -74,7 +74,7 @@ def publish(name: str, config: Options, result: Result) -> Path:
         try:
             (beside / "metrics.json").write_text(as_json(result.metrics))
             for stem, figure in result.figures.items():
-                draw(figure, beside / f"{stem}.png")
+                (beside / f"{stem}.png").write_bytes(drawn(figure))
             for file, write in result.files.items():
                 write(beside / file)
             told = provenance(name, config)

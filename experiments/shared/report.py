@@ -5,6 +5,7 @@ Markdown without HTML of their own.
 """
 
 import base64
+import io
 import shlex
 from collections.abc import Mapping
 from dataclasses import fields
@@ -13,6 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from textwrap import fill
 from typing import Any, get_type_hints
+from weakref import WeakKeyDictionary
 
 import tyro
 from jinja2 import Environment, StrictUndefined, Template
@@ -27,6 +29,7 @@ from experiments.shared.palette import DARK
 FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
 LETTERS = 14.5
 """Of a caption, to an inch."""
+_DRAWN = WeakKeyDictionary[Figure, bytes]()
 FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
 
 
@@ -44,7 +47,7 @@ def page(
         name: of the experiment.
         config: its options.
         summary: Markdown.
-        figures: file stem -> figure, as `draw` left it in the folder.
+        figures: file stem -> figure, as it was `drawn` into the folder.
         folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
     """
@@ -70,11 +73,19 @@ def page(
     )
 
 
-def draw(figure: Figure, path: Path) -> None:
-    """Write a figure, its caption (its label) under it."""
-    lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
-    figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
-    figure.savefig(path, dpi=130, bbox_inches="tight")
+def drawn(figure: Figure) -> bytes:
+    """A figure as PNG, its caption (its label) under it: made once, for its file, the page and the recording."""
+    if figure not in _DRAWN:
+        lines, file = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0])), io.BytesIO()
+        figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
+        if engine := figure.get_layout_engine():
+            engine.execute(figure)
+            figure.set_layout_engine("none")
+        for legend in figure.legends:  # or they go with the figure's edge to where the caption ends
+            legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
+        figure.savefig(file, format="png", dpi=130, bbox_inches="tight")
+        _DRAWN[figure] = file.getvalue()
+    return _DRAWN[figure]
 
 
 def command(name: str, config: Options) -> str:
