@@ -50,7 +50,7 @@ def layout(stage: Stage) -> rrb.Horizontal:
         ),
         views.series("P(part moves)", origin="/organ/probability", within=views.CHANCE),
         views.series("limb directions off the teacher's, mean [deg]", origin="/error"),
-        row_shares=[0.5, 1, 1],
+        row_shares=[0.4, 1, 1],
         stage_share=2.2,
         more=[views.picture("what moves what", "/structure")],
     )

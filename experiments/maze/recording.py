@@ -143,7 +143,7 @@ def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Horizontal:
         views.series("Eq. (2): P(goal), each step by itself", origin="/goals/by_step", within=views.CHANCE),
         row_shares=[1, 0.5, 1, 1],
         stage_share=1.4,
-        right_share=0.75,
+        right_share=1.0,
         more=[views.picture(spaced(name), f"/figures/{name}") for name in figures],
     )
 

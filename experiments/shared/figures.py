@@ -107,6 +107,7 @@ def rates(
         if level is not None:
             drawn[level[0]] = axes.axhline(level[1], color="black", lw=0.9, ls="--")
         axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
+        axes.tick_params("x", labelsize=8)
         axes.set_title(panel, loc="left", fontsize=11)
         axes.grid(alpha=0.25)
     if log:

@@ -14,7 +14,7 @@ from models.teachers.performance import Performance
 
 BESIDE, TEACHER_HEIGHT = 0.55, 0.5
 """m between imitator and teacher, and of the teacher, where the imitator is a HOAP-2."""
-THICK, THIN = 0.012, 0.004
+THICK, THIN = 0.012, 0.003
 """m, a stick figure's lines, and where arrows run along them."""
 ARROW = 0.1
 """m, length of arrows along limbs."""
@@ -90,7 +90,7 @@ def log_arrows(
 ) -> None:
     """Arrows from (T, P, 3) m along (T, P, 3) unit vectors."""
     (count, parts), entity = begins.shape[:2], f"world/directions/{who}"
-    stream.log(entity, rr.Arrows3D.from_fields(colors=[colour], radii=[ARROW / 20]), static=True)
+    stream.log(entity, rr.Arrows3D.from_fields(colors=[colour], radii=[ARROW / 14]), static=True)
     arrows = rr.Arrows3D.columns(vectors=ARROW * ways.reshape(-1, 3), origins=begins.reshape(-1, 3))
     stream.send_columns(entity, ticks(count, tick_s), arrows.partition([parts] * count))
 
