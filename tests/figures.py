@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.category import StrCategoryFormatter
@@ -58,7 +57,8 @@ def _covers(axes: Axes) -> bool:
     assert legend is not None
     box = legend.get_window_extent().padded(-2)
     for line in axes.lines:
-        points = line.get_transform().transform(np.asarray(line.get_xydata(), float))
-        if box.count_contains(points[np.isfinite(points).all(1)]):
+        path = line.get_transform().transform_path(line.get_path()).cleaned(remove_nans=True)
+        points = path.vertices[path.codes != path.STOP]
+        if box.count_contains(points) or (line.get_linestyle() != "None" and path.intersects_bbox(box, filled=False)):
             return True
     return any(box.overlaps(bar.get_window_extent()) for bar in axes.patches)
