@@ -44,7 +44,11 @@ def _faults(figure: Figure) -> Iterator[str]:
 
 
 def _told(axis: Axis) -> bool:
-    return bool(axis.get_label_text().strip()) or isinstance(axis.get_major_formatter(), NAMED)
+    return (
+        not len(axis.get_ticklocs())
+        or bool(axis.get_label_text().strip())
+        or isinstance(axis.get_major_formatter(), NAMED)
+    )
 
 
 def _titled(figure: Figure, bar: Axes) -> bool:

@@ -124,7 +124,7 @@ def _log_loop(stream: rr.RecordingStream, done: Performed, joint: int) -> None:
     commanded = scale * last.commands[:, 0, factor]
     log_series(stream, f"joints/{name}/commanded", commanded, tick, "commanded", COMMANDED, 1.0)
     places, mass = beside_target(done, joint)
-    chosen = np.full_like(mass, np.nan)
+    chosen = np.zeros_like(mass)
     at = np.abs(chosen_beside(done, joint)[:, None] - places).argmin(1)
     chosen[np.arange(len(mass)), at] = mass.max()
     log_bars(stream, f"belief/{name}/now/chosen", chosen, tick, places, COMMANDED, width=0.3)
