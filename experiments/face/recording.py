@@ -46,7 +46,7 @@ def layout(done: Done) -> rrb.Horizontal:
         views.series("P(organ that moves | seen)", origin="/organ", within=views.CHANCE),
         views.series("relations [widths of the mouth, turns: 90 deg]: seen, then felt", origin="/relations"),
         rrb.StateTimelineView(name="what is done", origin="/doing"),
-        row_shares=[1.3, *([0.9] if eyes else []), 0.8, 1.0, 0.5],
+        row_shares=[*([1.2] if eyes else []), 1.2, 1.2, 0.8],
         stage_share=2.0,
     )
 
