@@ -22,6 +22,8 @@ RELATIONS: Final = ("gap", "beyond", "side", "up", "purse", "brow", "turn", "nod
 """In the order of the joints' senses: how far the lower lip has gone from where lips part; how far the tongue, were it
 straight, comes out beyond the lower lip; how far its tip is to the left, and up; lips forward; brows up; head turned to
 the left, and nodding."""
+UNITS: Final = (*("widths of the mouth",) * 6, *("quarter turns",) * 2)
+"""In which people read them."""
 MOUTH_M: Final = 0.026
 """W, of one's own mouth."""
 JAW, LIP, TONGUE, FORWARD = 1.74, 0.19, 0.56, 0.8

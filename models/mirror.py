@@ -4,6 +4,8 @@ The mirror belongs to the world. It shows a direction per part and nothing else:
 motor. Whoever looks has to find out by moving which sense goes with which part.
 """
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 
@@ -56,15 +58,28 @@ class Mirror:
         """(T, P, 3) true directions at (T, J) joint angles, for those who judge."""
         return self._shown(self._body.configurations(angles))
 
+    def arrows(self, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(T, P, 3) m where the parts begin in the world at (T, J) joint angles, and (T, P, 3) unit vectors along which
+        they point there: for pictures."""
+        placed = list(self._placed(self._body.configurations(angles)))
+        begins, pointing, _ = (np.stack(each) for each in zip(*placed, strict=True))
+        return begins, pointing
+
     def _shown(self, configurations: FloatArray) -> FloatArray:
-        data, found = self._data, np.empty((len(configurations), len(self.parts), 3))
-        for row, configuration in enumerate(configurations):
+        found = np.empty((len(configurations), len(self.parts), 3))
+        for row, (_, pointing, torso) in enumerate(self._placed(configurations)):
+            found[row] = pointing @ torso
+        return found
+
+    def _placed(self, configurations: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+        """Of every configuration (P, 3) where parts begin and point in the world, and the torso's (3, 3) rotation."""
+        data = self._data
+        for configuration in configurations:
             data.qpos[:] = configuration
             mujoco.mj_kinematics(self._body.model, data)
             turns = data.xmat.reshape(-1, 3, 3)
             pointing = np.einsum("pij,pj->pi", turns[self._carriers], self._axes)
-            found[row] = pointing @ turns[self._torso]
-        return found
+            yield data.xpos[self._carriers], pointing, np.array(turns[self._torso])
 
 
 def blurred(directions: FloatArray, noise: float, rng: np.random.Generator) -> FloatArray:

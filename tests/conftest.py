@@ -1,5 +1,6 @@
 """Shared fixtures: where outside data stands, when it does."""
 
+import io
 import os
 import signal
 import tempfile
@@ -23,6 +24,7 @@ from babbling.mind import Mind, learn
 from experiments.stopping import STOPS
 from models.errors import BodyError, Told
 from models.loading import load_body
+from tests.figures import faults
 from tests.recordings import empty_views
 
 os.environ.setdefault("MUJOCO_GL", "disabled")
@@ -123,6 +125,20 @@ def every_view_shows_something() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rr.MemoryRecording, "drain_as_bytes", drained)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def every_figure_says_what_it_shows() -> Iterator[None]:
+    """Whatever figure is drawn for a result in any test: a caption, axes with names, nothing over the data."""
+    save = Figure.savefig
+
+    def saved(figure: Figure, place: Any, **how: Any) -> None:
+        save(figure, place, **how)
+        assert not isinstance(place, io.BytesIO) or not (found := faults(figure)), found
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", saved)
         yield
 
 

@@ -21,6 +21,7 @@ from experiments.shared.minds import body_of, learn_mind, people_say
 from experiments.shared.one_leg import learn_to_stand
 from experiments.shared.options import must_stand
 from experiments.shared.progress import progress
+from experiments.shared.report import drawn
 from experiments.shared.standing import standing_of
 from experiments.shared.tables import opened, show, table
 from experiments.stopping import say
@@ -92,7 +93,7 @@ def babbled(config: Config, out: Path, checkpoint: Path, told: Mapping[str, str 
         with whole(out.with_suffix(".json")) as beside:
             beside.write_text(as_json(metrics))
         with whole(out.with_suffix(".png")) as beside:
-            babbling_curve(curve).savefig(beside, dpi=130)
+            beside.write_bytes(drawn(babbling_curve(curve)))
         sweep(checkpoint)
         checkpoint.unlink(missing_ok=True)  # only now: whoever is killed before goes on from there
     rows += [

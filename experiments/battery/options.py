@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from experiments.shared.options import Flag, N, ShardOptions, options, some, within, written
+from experiments.shared.options import Flag, ShardOptions, options, some, within, written
 
 Stage = Literal["movements", "gaze", "face", "objects"]
 STAGES: tuple[Stage, ...] = ("movements", "gaze", "face", "objects")

@@ -16,8 +16,9 @@ from experiments.battery.table import files, tidy
 from experiments.battery.vary import designs, parse
 from experiments.errors import ExperimentError
 from experiments.face.watching import Look
+from experiments.shared.dealing import Failure
 from experiments.shared.experiment import Result
-from experiments.shared.parallel import Failure, attempted, succeeded
+from experiments.shared.parallel import attempted, succeeded
 from experiments.shared.tables import table
 
 ADULTS = 2

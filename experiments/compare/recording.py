@@ -22,8 +22,7 @@ def record(path: Path, done: Compared, summary: str) -> None:
             tracks, own = whole.of(done.joints), light(COLOURS[number % len(COLOURS)])
             shown = [("imitated", run.label, tracks.imitated, own, 1.5)]
             if not done.alike or whole is done.tracked[0][2]:
-                said = "demonstrated" if done.alike else f"demonstrated, {run.label}"
-                shown.insert(0, ("demonstrated", said, tracks.demonstrated, DEMONSTRATED, 3.0))
+                shown.insert(0, ("demonstrated", "demonstrated", tracks.demonstrated, DEMONSTRATED, 3.0))
             for what, said, values, colour, width in shown:
                 for place, series in enumerate(values.T):
                     log_series(stream, f"joints/{place}/{what}/{number}", series, tracks.tick_s, said, colour, width)

@@ -113,10 +113,10 @@ class Hard(NamedTuple):
 
 
 HARDER: dict[str, tuple[str, str, tuple[float, ...]]] = {
-    "noise_deg": ("seeing noise", "deg; the mirror was seen with 3", (3, 6, 12, 18, 24, 36)),
-    "share": ("small movements", "share of an act's way", (1, 0.5, 0.25, 0.12, 0.06, 0.03)),
-    "others": ("several parts at once", "others, half as far", (0, 1, 2, 3, 4)),
-    "exchanged": ("look-alikes", "share of frames, left taken for right", (0, 0.1, 0.2, 0.3, 0.4, 0.5)),
+    "noise_deg": ("seeing noise", "noise [deg]; the mirror was seen with 3", (3, 6, 12, 18, 24, 36)),
+    "share": ("small movements", "way, as a share of a whole act's", (1, 0.5, 0.25, 0.12, 0.06, 0.03)),
+    "others": ("several parts at once", "other parts that move, half as far", (0, 1, 2, 3, 4)),
+    "exchanged": ("look-alikes", "share of frames with left for right", (0, 0.1, 0.2, 0.3, 0.4, 0.5)),
 }
 """Field of `Hard`: what it is called, its unit, its grades."""
 MIDDLES = np.deg2rad([0.5, *(np.array(EDGES_DEG[:-1]) + EDGES_DEG[1:]) / 2, 60.0])

@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from experiments.correspondence.acts import HARDER
 from experiments.correspondence.found import Studied
-from experiments.shared.figures import captioned, learning_curve, sweeps
-from experiments.shared.palette import OURS, PLAIN
+from experiments.shared.figures import captioned, learning_curve, legend_above, spaced, sweeps
+from experiments.shared.palette import DARK, OURS, PLAIN
 
 
 def figures(done: Studied) -> dict[str, Figure]:
@@ -42,9 +42,9 @@ def structure(done: Studied) -> Figure:
     picture = axis.imshow(organs.information[:, order], aspect="auto", cmap="magma", vmin=0, interpolation="nearest")
     for row, column in np.argwhere(organs.moves[:, order]):
         axis.plot(column, row, "o", color="white", mec="black", ms=4)
-    axis.set_xticks(range(len(order)), [labels[i] for i in order], rotation=90, fontsize=7)
-    axis.set_yticks(range(len(organs.parts)), organs.parts, fontsize=8)
-    axis.set_xlabel("joint that acted (labels for people; the imitator knows numbers only)")
+    axis.set_xticks(range(len(order)), [spaced(labels[i]) for i in order], rotation=90, fontsize=8)
+    axis.set_yticks(range(len(organs.parts)), map(spaced, organs.parts), fontsize=9)
+    axis.set(xlabel="joint that acted (names for people; the imitator knows numbers only)", ylabel="part that turned")
     axis.set_title(f"Organ identification: dots mark what moves what, {done.config.seeing_noise_deg:g} deg of noise")
     figure.colorbar(picture, ax=axis, label="mutual information of act and turning [bit]")
     return figure
@@ -52,7 +52,8 @@ def structure(done: Studied) -> Figure:
 
 @captioned(
     "How far the imitator's limbs would point beside each teacher's where it can reach them, learned in a "
-    "mirror and by inverse kinematics. The mark is what was asked for."
+    "mirror and by inverse kinematics, means over limbs and time. Marks: the error that the learned way may have, "
+    "inverse kinematics' and so much more."
 )
 def teachers(done: Studied) -> Figure:
     """Error of every teacher: oracle, clean eyes, noisy eyes."""
@@ -65,12 +66,12 @@ def teachers(done: Studied) -> Figure:
     left.set_yticks(place, names)
     left.invert_yaxis()
     noise = f"{done.config.seeing_noise_deg:g} deg of noise"
-    for axis, ours, allowed, label in ((left, clean, 0.3, "clean eyes"), (right, noisy, 2.5, noise)):
-        axis.barh(place - 0.2, oracle, 0.38, color=PLAIN, label="inverse kinematics")
-        axis.barh(place + 0.2, ours, 0.38, color=OURS, label=f"learned, {label}")
-        axis.plot(oracle + allowed, place, "|", color="black", ms=16, label=f"oracle + {allowed} deg")
-        axis.set_xlabel("mean limb-direction error where it can be reached [deg]")
-        axis.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    for axis, ours, allowed, title in ((left, clean, 0.3, "clean eyes"), (right, noisy, 2.5, noise)):
+        for values, way, ink, name in ((oracle, -0.2, PLAIN, "inverse kinematics"), (ours, 0.2, OURS, "learned")):
+            axis.bar_label(axis.barh(place + way, values, 0.38, color=ink, label=name), fmt=" %.3f", fontsize=7)
+        axis.plot(oracle + allowed, place, "|", color=DARK, ms=12, label="asked for")
+        axis.set(xlabel="limb-direction error [deg]", title=f"{title}: at most {allowed} deg more")
+        legend_above(axis)
         axis.spines[["top", "right"]].set_visible(False)
     return figure
 
@@ -91,12 +92,13 @@ def mirror_curve(done: Studied) -> Figure:
         log="xy",
     )
     figure.axes[0].set_xticks(minutes, [f"{m:.2g}" for m in minutes])
+    figure.axes[0].set_xticks([], minor=True)
     return figure
 
 
 @captioned(
-    "First which part: single acts of others by the part that was taken to have moved. Then how: error of "
-    "one's own act from try to try, median and 80 per cent of acts."
+    "First which part: how many single acts of others were put to which part. Then how: error of one's own act "
+    "from try to try, of those acts whose part was right (median, and from the tenth to the ninetieth of a hundred)."
 )
 def tries(done: Studied) -> Figure:
     """First the right part, then the right way to move it."""
@@ -105,20 +107,22 @@ def tries(done: Studied) -> Figure:
     parts = [*done.acts.parts, "nothing"]
     table = np.zeros((len(parts) - 1, len(parts)))
     np.add.at(table, (done.acts.truth, done.acts.said), 1)
-    left.imshow(table / np.maximum(table.sum(1, keepdims=True), 1), cmap="Blues", vmin=0, vmax=1)
+    left.imshow(table / np.maximum(table.sum(1, keepdims=True), 1), cmap="Oranges", vmin=0, vmax=1)
     for row, column in np.argwhere(table > 0):
         share = table[row, column] / table[row].sum()
         left.text(column, row, f"{int(table[row, column])}", ha="center", va="center", fontsize=7,
                   color="white" if share > 0.5 else "black")  # fmt: skip
-    left.set_xticks(range(len(parts)), parts, rotation=90, fontsize=7)
-    left.set_yticks(range(len(parts) - 1), parts[:-1], fontsize=7)
-    left.set_xlabel("identified")
-    left.set_ylabel("moved")
+    left.set_xticks(range(len(parts)), map(spaced, parts), rotation=90, fontsize=7)
+    left.set_yticks(range(len(parts) - 1), map(spaced, parts[:-1]), fontsize=7)
+    left.set_xlabel("part that was taken to have moved")
+    left.set_ylabel("part that moved")
     left.set_title(f"which part: {done.acts.rate:.1%} of {len(done.acts.truth)} acts", fontsize=10)
     number = np.arange(float(done.acts.errors_deg.shape[1]))
     low, median, high = np.quantile(done.acts.errors_deg, (0.1, 0.5, 0.9), axis=0)
     right.fill_between(number, low, high, color=OURS, alpha=0.2, lw=0, label="80 % of acts")
     labels = "try (0: at rest)", "the part points off by [deg]"
     learning_curve(number, {"median": median}, labels, "then how to move it: error against tries", onto=right)
+    right.set_ylim(0, 1.05 * high.max())
+    right.title.set_fontsize(10)
     right.set_xticks(number)
     return figure

@@ -76,7 +76,8 @@ def run(config: Config) -> Result:
     summary = summarise(metrics, rows, done.harder)
     labels = {"factor": [body.sense_labels[line] for line in found.schema.posture]}
     files = {"body_image.nc": lambda path: save(clean.image, path, labels, seed=config.seed)}
-    return Result(metrics, summary, figures(done), lambda path: record(path, done, summary), files)
+    made = figures(done)
+    return Result(metrics, summary, made, lambda path: record(path, done, summary, made["structure"]), files)
 
 
 def learning_curve(

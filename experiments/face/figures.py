@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from experiments.face.power_figure import power_figure
 from experiments.face.study import Studied
 from experiments.face.theories import GESTURES, LABELS, SAID
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 
 LEAST = 0.004
@@ -39,12 +39,12 @@ def imitated(m: dict[str, Any]) -> Figure:
         middle.fill_between(tries, low, high, color=ink, alpha=0.15, lw=0)
         middle.plot(1, m[f"{name}_line"], "x", color=ink, ms=8, label=f"{label}: a line instead of the table")
     middle.set(xlabel="try", ylabel="missed, share of the range", yscale="log", title="correction without feedback")
-    middle.legend(frameon=False, fontsize=7)
+    legend_above(middle, 2)
     over = m["organ_over_the_act"]
     for strength, ink, line in (("strong", OURS, "-"), ("weak", THEIRS, "--")):
         right.plot(1e3 * np.array(over["time"]), over[f"probability_{strength}"], f"o{line}", color=ink, label=strength)
     right.set(xlabel="time into the act [ms]", ylabel="P(the organ that moves)", ylim=(0, 1.02), title="organ first")
-    right.legend(frameon=False, fontsize=8)
+    legend_above(right)
     figure.suptitle(
         f"{m['infants']} infants that never saw their own face. Bands: quartiles over looks. "
         "Cells: % of strong (below: weak) acts shown, at the last try.",

@@ -13,7 +13,7 @@ from experiments.face.judging import WHOSE
 from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_eyes
-from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
+from experiments.shared.palette import DEMONSTRATED, IMITATED, QUIET, REPLAYED, SERIES
 from experiments.shared.recording import log_body, log_series, log_states, recording
 from imitation.seeing.face_marks import POINTS
 from imitation.seeing.face_template import appear
@@ -41,12 +41,12 @@ def layout(done: Done) -> rrb.Horizontal:
     """Faces and eyes left; beliefs and relations right."""
     eyes = [views.eyes(done.watched.images[0][0])] if done.watched is not None else []
     return views.beside(
-        views.world("the infant (left) and who is watched", (0.17, -0.6, 0.14), (0.17, 0.0, -0.01)),
+        views.world("the infant, left, and who is watched", (0.17, -0.6, 0.14), (0.17, 0.0, -0.01)),
         *eyes,
         views.series("P(organ that moves | seen)", origin="/organ", within=views.CHANCE),
-        views.series("relations: seen, then felt", origin="/relations"),
+        views.series("relations [widths of the mouth, turns: 90 deg]: seen, then felt", origin="/relations"),
         rrb.StateTimelineView(name="what is done", origin="/doing"),
-        row_shares=[1.3, *([0.9] if eyes else []), 0.8, 1.0, 0.5],
+        row_shares=[*([1.2] if eyes else []), 1.2, 1.2, 0.8],
         stage_share=2.0,
     )
 
@@ -74,7 +74,7 @@ def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> in
     _log_relations(stream, "seen", watched.relations, 0)
     quiet = count - ACT_TICKS
     states = ["at rest"] * quiet + ["acts"] * ACT_TICKS + ["at rest"]
-    log_states(stream, "doing/adult", dict.fromkeys(states), states, TICK_S)
+    log_states(stream, "doing/adult", {"at rest": QUIET, "acts": DEMONSTRATED}, states, TICK_S)
     return count
 
 
@@ -92,7 +92,8 @@ def _log_tries(stream: rr.RecordingStream, done: Done, begin: int) -> None:
                 doing.append(what)
     log_body(stream, "world/infant", parts(body.model, np.stack(configurations)), TICK_S, offset=EYES_M)
     _log_relations(stream, "felt", done.mind.landmarks.relations(np.stack(senses)), begin)
-    log_states(stream, "doing/infant", dict.fromkeys(doing), doing, TICK_S)
+    light = {what: IMITATED if what.startswith("try") else QUIET for what in doing}
+    log_states(stream, "doing/infant", light, doing, TICK_S)
     target = np.repeat(done.memory.relations[None], len(senses), 0)
     moved = [k for k in SHOWN if done.memory.moved[k]]
     _log_relations(stream, "target", target, begin, moved)
@@ -112,5 +113,5 @@ def _log_relations(
     whole = np.concatenate([blank, values])
     width = {"seen": 2.0, "felt": 2.0, "target": 1.0}[kind]
     for k in SHOWN if some is None else some:
-        label = f"{RELATIONS[k]}, {kind}"
+        label = f"{RELATIONS[k]}, target" if kind == "target" else RELATIONS[k]
         log_series(stream, f"relations/{kind}_{RELATIONS[k]}", whole[:, k], TICK_S, label, SERIES[k], width)

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from babbling.relations import RELATIONS
+from babbling.relations import RELATIONS, UNITS
 from experiments.face.judging import MAIN, WHOSE
 from experiments.face.once import TICK_S, Done
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 
@@ -30,7 +30,7 @@ def demo_figure(done: Done, m: dict[str, Any]) -> Figure:
         for name, ink, belief in zip(WHOSE, inks, watched.organs.T, strict=True):
             organ.plot(time, belief, color=ink, label=name, lw=2 if belief[-1] > 0.5 else 1)
         organ.set(xlabel="time [ms]", ylabel="P(organ that moves | seen)", ylim=(-0.02, 1.02))
-        organ.legend(frameon=False, fontsize=7)
+        legend_above(organ, 3)
     image.set_axis_off()
     number = np.arange(1, len(done.true) + 1)
     tries.axhline(done.memory.relations[relation], color=THEIRS, ls="--", label="as seen: the target")
@@ -38,7 +38,7 @@ def demo_figure(done: Done, m: dict[str, Any]) -> Figure:
         tries.axhline(done.watched.true[relation], color=DARK, lw=1, label="as it was shown")
     tries.plot(number, done.tried.felt[:, 0, relation], "o:", color=PLAIN, label="felt")
     tries.plot(number, done.true[:, relation], "o-", color=OURS, label="done")
-    tries.set(xlabel="try", ylabel=f"{RELATIONS[relation]} [widths of the mouth or quarter turns]", xticks=number)
-    tries.legend(frameon=False, fontsize=7)
+    tries.set(xlabel="try", ylabel=f"{RELATIONS[relation]} [{UNITS[relation]}]", xticks=number)
+    legend_above(tries, 2)
     figure.suptitle(f"An infant that never saw its own face does {' and '.join(dict.fromkeys(m['done']))}.", fontsize=9)
     return figure

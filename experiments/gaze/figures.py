@@ -10,7 +10,7 @@ from babbling.axes import FloatArray
 from experiments.gaze.found import Found
 from experiments.gaze.scene import FRAME_S, Following
 from experiments.gaze.trials import TOYS
-from experiments.shared.figures import captioned, rates, sweeps
+from experiments.shared.figures import captioned, legend_above, rates, sweeps
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import BALLS, PLAIN
 
@@ -28,7 +28,7 @@ def figures(found: Found) -> dict[str, Figure]:
         told = "How often the bead that a teacher looks at was taken among four that lie close, with 95 % intervals "
         told += "over learners, beside readers that expect something else of the teacher. Dashed: chance."
         draw = captioned(told)(sweeps)
-        drawn["crowds"] = draw(found.crowds.sweeps, 1 / len(TOYS), "took the bead looked at", caption)
+        drawn["crowds"] = draw(found.crowds.sweeps, 1 / len(TOYS), "share that took the bead looked at", caption)
     return drawn
 
 
@@ -46,9 +46,9 @@ def episode(one: Following) -> Figure:
         mark = " (looked at)" if k == one.target else ""
         belief.plot(time, one.probability[:watched, k], color=BALLS[name], lw=2.2, label=name + mark)
     belief.set(
-        xlabel="s", ylabel="P(object | pose of the head)", ylim=(-0.02, 1.05), title="Eq. (2) while the head turns"
+        xlabel="time [s]", ylabel="P(toy | pose of the head)", ylim=(-0.02, 1.02), title="Eq. (2) while the head turns"
     )
-    belief.legend(frameon=False, fontsize=9)
+    legend_above(belief)
     poses.plot(*np.rad2deg(one.teacher[:watched]).T, color="k", lw=3, alpha=0.25, label="the teacher's head")
     poses.plot(*np.rad2deg(one.estimated[:watched]).T, color="k", lw=0.9, label="estimated")
     for name, pose in zip(one.names, np.rad2deg(one.expected), strict=True):
@@ -57,7 +57,7 @@ def episode(one: Following) -> Figure:
     poses.invert_xaxis()
     poses.margins(0.15)
     poses.set(xlabel="pan [deg], to its left", ylabel="tilt [deg], down", title='how I would look at each, "like me"')
-    poses.legend(frameon=False, fontsize=8)
+    legend_above(poses, 3)
     return figure
 
 
@@ -70,7 +70,7 @@ def calibration(bins: FloatArray, error: float) -> Figure:
     sure, right, count = bins[bins[:, 2] > 0].T
     ends = [interval_95(round(hits), int(n)) for hits, n in zip(right * count, count, strict=True)]
     curve = {"confidence": sure, "share": right, "interval": ends}
-    labels = "P of the most probable object", "share that was right"
+    labels = "P(most probable toy)", "share that was right"
     figure = rates({f"calibration error {error:.3f}": {f"{count.sum():.0f} trials": curve}}, labels, line="")
     figure.axes[0].plot([0, 1], [0, 1], color=PLAIN, lw=1)
     return figure
@@ -88,4 +88,4 @@ def covered(result: dict[str, Any]) -> Figure:
         found = {kind: [one[cloth][kind] for one in result["rates"].values()] for kind in ("rate", "interval_95")}
         panels[f"teacher wears a {cloth}"] = {"rate and 95 % interval": {"who": names, **found}}
     told = "\n".join(f"{sign}: {verdict['said']}" for sign, verdict in result["signs"].items())
-    return rates(panels, ("", "looks where the teacher's head points"), ("chance", result["chance"]), told, line="")
+    return rates(panels, ("", "share that looks where the head points"), ("chance", result["chance"]), told, line="")

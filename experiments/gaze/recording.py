@@ -19,7 +19,7 @@ def record(path: Path, robot: str, one: Following, summary: str, seed: int) -> N
         log_eyes(stream, one.images, FRAME_S, one.found, one.predicted)
         log_stage(stream, one.seen, FRAME_S)
         for k, name in enumerate(one.names):
-            log_series(stream, f"belief/{name}", one.probability[:, k], FRAME_S, f"P({name})", light(BALLS[name]), 3.0)
+            log_series(stream, f"belief/{name}", one.probability[:, k], FRAME_S, name, light(BALLS[name]), 3.0)
         log_head(stream, "demonstrated", one.teacher, FRAME_S, DEMONSTRATED, "the teacher's", 4.0)
         log_head(stream, "estimated", one.estimated[np.isfinite(one.estimated[:, 0])], FRAME_S, ESTIMATED)
         log_head(stream, "imitated", one.own, FRAME_S, IMITATED, "ours")
@@ -30,11 +30,13 @@ def _layout(robot: str, one: Following) -> rrb.Horizontal:
     height = head_of(robot).table[2]
     return views.beside(
         views.world(
-            f"the teacher looks at {one.names[one.target]}", (0.15, -1.1, height + 0.85), (0.47, 0.0, height + 0.05)
+            f"the teacher looks at {one.names[one.target]}; lines: gaze",
+            (0.15, -1.1, height + 0.85),
+            (0.47, 0.0, height + 0.05),
         ),
         views.eyes(one.images[0][0]),
-        views.series("P(object | head)", origin="/belief"),
+        views.series("P(toy | pose of the teacher's head)", origin="/belief", within=views.CHANCE),
         rrb.Horizontal(*views.head_angles()),
-        rrb.TextLogView(name="what happens", origin="/events"),
+        views.events("what happens"),
         row_shares=[1.5, 1, 0.9, 0.7],
     )

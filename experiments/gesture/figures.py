@@ -10,9 +10,9 @@ from matplotlib.figure import Figure, SubFigure
 from babbling.axes import FloatArray
 from babbling.explanations import EXPLANATIONS
 from experiments.gesture.found import Performed
-from experiments.shared.figures import captioned, learning_curve
+from experiments.shared.figures import captioned, learning_curve, legend_above, spaced
 from experiments.shared.judging import LearningCurve
-from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
+from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS, glowing
 
 DECADE = 10.0
 REACH = 6.0
@@ -64,14 +64,14 @@ def by_joint(axes: Axes, done: Performed) -> None:
     axes.hlines(rows, errors["imitated"][order], errors["direct replay"][order], color="#cccccc", lw=1.5, zorder=0)
     for who, (_, ink, mark) in whose.items():
         axes.scatter(errors[who][order], rows, color=ink, marker=mark, s=26, label=who)
-    axes.set_yticks(rows, [done.body.joints[j].replace("_", " ") for j in order], fontsize=7)
+    axes.set_yticks(rows, [spaced(done.body.joints[j]) for j in order], fontsize=7)
     axes.set(
         xscale="log",
         xlabel=f"root mean square error [{' or '.join(sorted({*done.body.shown_units}))}]",
         ylim=(-1, len(rows)),
     )
     axes.grid(alpha=0.25, axis="x")
-    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    legend_above(axes)
 
 
 def through_time(axes: Axes, done: Performed) -> None:
@@ -88,10 +88,9 @@ def through_time(axes: Axes, done: Performed) -> None:
         whole = np.stack([one for one in tries if len(one) == len(time)])
         axes.fill_between(time, whole.min(0), whole.max(0), color=OURS, alpha=0.25, lw=0, label="all attempts")
     axes.plot(time[: len(tries[-1])], tries[-1], color=OURS, lw=1.4, label=f"imitated, attempt {len(tries)}")
-    axes.set_ylim(None, 5 * away(done.replayed).max())  # room for what lines are called
     axes.set(yscale="log", xlabel="time [s]", ylabel=f"error of all joints, root mean square [{done.usual}]")
     axes.grid(alpha=0.25)
-    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right")
+    legend_above(axes)
 
 
 def limbs(figure: SubFigure, done: Performed) -> None:
@@ -105,10 +104,10 @@ def limbs(figure: SubFigure, done: Performed) -> None:
         error = done.limb_errors_deg[who]
         left.plot(time, error.mean(1), color=colour, label=who.replace("least", "the joints' limit"), lw=1.1)
         right.bar(np.arange(error.shape[1]) + 0.27 * (number - 1), error.mean(0), 0.27, color=colour)
-    left.set(xlabel="time [s]", ylabel="mean of parts [deg]", title="limb directions off the teacher's")
-    left.legend(frameon=False, ncols=3, fontsize=8, loc="upper right")
-    right.set_xticks(range(len(parts)), [part.replace("_", " ") for part in parts], rotation=90, fontsize=6)
-    right.set_ylabel("mean of frames [deg]")
+    left.set(xlabel="time [s]", ylabel="limbs off the teacher's, mean [deg]")
+    legend_above(left)
+    right.set_xticks(range(len(parts)), [spaced(part) for part in parts], rotation=90, fontsize=7)
+    right.set_ylabel("the same, mean of frames [deg]")
 
 
 @captioned(
@@ -132,7 +131,7 @@ def ringing(done: Performed) -> Figure:
     axes.set(xlabel="frequency [Hz]", ylabel=f"amplitude of the error [{done.usual}]", yscale="log")
     axes.set_title(f"{done.title}: does it shake?")
     axes.grid(alpha=0.25)
-    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    legend_above(axes, 2)
     return figure
 
 
@@ -149,7 +148,7 @@ def beliefs(done: Performed) -> Figure:
         "evidence of Eq. (1) [log10]": (evidence, "viridis"),
         "visits of the chosen row [log10(1 + n)]": (np.log10(1 + last.familiarity), "cividis"),
     }
-    rows, names = np.flatnonzero(order >= 0), [joint.replace("_", " ") for joint in done.body.joints]
+    rows, names = np.flatnonzero(order >= 0), [spaced(joint) for joint in done.body.joints]
     figure = Figure(figsize=(12, 1.6 + 0.13 * max(len(rows), 12)), layout="constrained")
     end = len(last.entropy) * done.body.tick_s
     for axes, (title, (values, colours)) in zip(figure.subplots(1, 3, sharey=True), maps.items(), strict=True):
@@ -164,18 +163,22 @@ def beliefs(done: Performed) -> Figure:
     return figure
 
 
+@captioned(
+    "P(command | sub-goal) of Eq. (1), the brighter the likelier, by how far beside its sub-goal (blue) one commands; "
+    "white: the command that was chosen."
+)
 def posterior(done: Performed, joint: int) -> Figure:
     """P(command | sub-goal) of a joint through time, by how far beside its sub-goal one commands."""
     places, mass = beside_target(done, joint)
     end, unit = len(mass) * done.body.tick_s, done.body.shown_units[joint]
     figure = Figure(figsize=(7.5, 3), layout="constrained")
     axes = figure.subplots()
-    axes.imshow(mass.T**0.5, origin="lower", aspect="auto", cmap="magma", extent=(0, end, places[0], places[-1]))
+    extent = (0, end, places[0], places[-1])
+    axes.imshow(mass.T**0.5, origin="lower", aspect="auto", cmap=glowing(OURS), extent=extent)
     time = np.arange(len(mass)) * done.body.tick_s
-    axes.plot(time, chosen_beside(done, joint), color=OURS, lw=0.7, label="chosen command")
-    axes.axhline(0, color=THEIRS, lw=1, label="sub-goal")
-    axes.set(xlabel="time [s]", ylabel=f"command less sub-goal [{unit}]", ylim=(places[0], places[-1]))
-    axes.legend(fontsize=7, loc="upper right", facecolor="black", labelcolor="white", framealpha=0.6)
+    axes.plot(time, chosen_beside(done, joint), color="white", lw=0.7)
+    axes.axhline(0, color=THEIRS, lw=1)
+    axes.set(xlabel="time [s]", ylabel=f"command - sub-goal [{unit}]", ylim=(places[0], places[-1]))
     return figure
 
 
@@ -220,12 +223,10 @@ def explanations(done: Performed) -> Figure:
     for name, colour, share in zip(EXPLANATIONS, (PLAIN, THEIRS, DARK, CYCLE[2], OURS), weights.T, strict=True):
         axis.bar(range(len(share)), share, bottom=below, color=colour, label=name)
         below += share
-    axis.set_xticks(
-        range(len(weights)), [joint.replace("_", " ") for joint in done.body.joints], rotation=90, fontsize=7
-    )
-    axis.set_ylabel("P(explanation | babbling)")
+    axis.set_xticks(range(len(weights)), [spaced(joint) for joint in done.body.joints], rotation=90, fontsize=7)
+    axis.set(ylabel="P(explanation | babbling)", xlim=(-0.6, len(weights) - 0.4))
     axis.set_title("What explains each joint best: a line, posture, plays, what weighs on it, or the table beyond")
-    axis.legend(frameon=False, ncols=5, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.08))
+    legend_above(axis, 5)
     return figure
 
 
@@ -239,8 +240,8 @@ def body_schema(done: Performed) -> Figure:
     figure = Figure(figsize=(11, 6.5), layout="constrained")
     axis = figure.subplots()
     picture = axis.imshow(information, aspect="auto", cmap="magma", interpolation="nearest")
-    axis.set_xticks(range(information.shape[1]), done.body.sense_labels, rotation=90, fontsize=5.5)
-    axis.set_yticks(range(information.shape[0]), done.body.motor_labels, fontsize=6)
+    axis.set_xticks(range(information.shape[1]), map(spaced, done.body.sense_labels), rotation=90, fontsize=6)
+    axis.set_yticks(range(information.shape[0]), map(spaced, done.body.motor_labels), fontsize=7)
     axis.set_xlabel("sense lines (labels for people; the mind does not know them)")
     axis.set_ylabel("motor lines")
     axis.set_title("Body schema: what each sense tells about each motor")

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.gesture.standing_found import Stands
-from experiments.shared.figures import captioned, rates
+from experiments.shared.figures import captioned, legend_above, rates
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
@@ -36,8 +36,16 @@ def standing(stands: Stands) -> Figure:
     figure = Figure(figsize=(11, 6.5), layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1.7, 1))
     tick = stands.body.tick_s
+    axes = figure.add_subplot(grid[2, 0])
     for k, name in enumerate(DIRECTIONS):
-        axes = figure.add_subplot(grid[k, 0])
+        offset = np.rad2deg(stands.ours.plan.offset[:, 0, k])
+        axes.plot((np.arange(len(offset)) - stands.ours.first) * tick, offset, color=(OURS, THEIRS)[k], label=name)
+    axes.set(
+        xlabel="time since the movement began [s]", ylabel="offset [deg]", title="What Eq. (1) adds to the posture"
+    )
+    legend_above(axes)
+    for k, name in enumerate(DIRECTIONS):
+        axes = figure.add_subplot(grid[k, 0], sharex=axes)
         for who, one in stands.done.items():
             time = (np.arange(len(one.loads)) - one.first) * tick
             felt = np.where(one.upright[:, 0], stands.pressed(one.loads[:, 0])[:, k], np.nan)
@@ -53,25 +61,21 @@ def standing(stands: Stands) -> Figure:
         )
         axes.axhspan(1, 1.3, color=PLAIN, alpha=0.3)
         axes.axhspan(-1.3, -1, color=PLAIN, alpha=0.3)
-        axes.set(ylabel="pressure, 1 = edge", ylim=(-1.3, 1.3), title=f"Pressure {name}")
+        axes.set(ylabel="pressure [1 = edge]", ylim=(-1.3, 1.3), title=f"Pressure {name}")
         if k == 0:
-            axes.legend(frameon=False, ncols=4, fontsize=8)
-    axes = figure.add_subplot(grid[2, 0])
-    for k, name in enumerate(DIRECTIONS):
-        axes.plot(time, np.rad2deg(stands.ours.plan.offset[:, 0, k]), color=(OURS, THEIRS)[k], label=name)
-    axes.set(
-        xlabel="time since the movement began [s]", ylabel="offset [deg]", title="What Eq. (1) adds to the posture"
-    )
-    axes.legend(frameon=False, ncols=2, fontsize=8)
+            legend_above(axes)
     axes = figure.add_subplot(grid[:, 1])
     for who, one in reversed(stands.done.items()):
         felt = stands.pressed(one.loads[one.upright[:, 0], 0])
         axes.plot(-felt[:, 1], felt[:, 0], color=INK[who], lw=0.8, label=who)
     axes.plot([-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1], color=DARK, lw=1)
     axes.set(
-        xlabel="left and right", ylabel="forward and back", title="Pressure between the soles' edges", aspect="equal"
+        xlabel="left and right [1 = edge]",
+        ylabel="forward and back [1 = edge]",
+        title="Pressure between the soles' edges",
+        aspect="equal",
     )
-    axes.legend(frameon=False, fontsize=8)
+    legend_above(axes)
     fell = [who for who, one in stands.done.items() if one.fell[0]]
     figure.suptitle(f"{stands.config.demonstration}, standing; fell: {', '.join(fell) or 'nobody'}", fontsize=11)
     return figure

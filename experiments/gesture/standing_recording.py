@@ -9,7 +9,7 @@ import rerun.blueprint as rrb
 from experiments.gesture.standing_figures import DIRECTIONS
 from experiments.gesture.standing_found import Stands
 from experiments.shared import views
-from experiments.shared.palette import ESTIMATED, IMITATED, REPLAYED, SERIES
+from experiments.shared.palette import DEMONSTRATED, ESTIMATED, IMITATED, REPLAYED, SERIES
 from experiments.shared.recording import log_bars, log_body, log_series, recording, ticks
 from experiments.shared.side_by_side import log_imitator, log_teacher
 from models.shapes import parts
@@ -31,12 +31,12 @@ def record(path: Path, stands: Stands, summary: str) -> None:
 
 def layout() -> rrb.Horizontal:
     """The world left; pressure, offsets, beliefs and loads right."""
-    series = [views.series(f"pressure {name}, 1 = edge", origin=f"/pressure/{k}") for k, name in enumerate(DIRECTIONS)]
-    edges = rrb.Spatial2DView(name="pressure between the edges (up: forward)", origin="/edges")
-    bars = [views.bars(f"{name}: P(offset)", f"/belief/{n}") for n, name in enumerate(BARS)]
+    series = [views.series(f"pressure {name} [1 = edge]", origin=f"/pressure/{k}") for k, name in enumerate(DIRECTIONS)]
+    edges = rrb.Spatial2DView(name="pressure: up is forward", origin="/edges")
+    bars = [views.bars(f"{name}: P(offset [deg])", f"/belief/{n}") for n, name in enumerate(BARS)]
     more = rrb.Tabs(
-        views.series("lean of the posture, units of pressure", origin="/lean"),
-        views.series("loads [N]", origin="/loads"),
+        views.series("lean of the posture [1 = edge]", origin="/lean"),
+        views.series("loads under the soles [N]", origin="/loads"),
         active_tab=0,
     )
     return views.beside(
@@ -59,6 +59,10 @@ def _log_world(stream: rr.RecordingStream, stands: Stands) -> None:
     stream.log("world/floor", floor, static=True)
     sent = stands.done["replay"]
     log_body(stream, "world/replay", parts(model, sent.configurations[:, 0]), tick, offset=(0, APART, 0), tint=REPLAYED)
+    sign = rr.Points3D(
+        [(0, APART, 0)], radii=[0.004], labels=["sent the sub-goals"], colors=[REPLAYED], show_labels=True
+    )
+    stream.log("world/labels/replay", sign, static=True)
     if stands.seen.teacher is not None:
         log_teacher(stream, stands.seen.teacher, len(ours.configurations), tick)
     if ours.pushes.any():
@@ -95,5 +99,9 @@ def _log_beliefs(stream: rr.RecordingStream, stands: Stands) -> None:
     actions = np.broadcast_to(balancer.balance.forward_model.action.points[:, None], (2, len(lean), 65))
     balanced = term.likelihood(np.moveaxis(actions, -1, 0).swapaxes(1, 2))[..., 0].T ** float(np.max(term.weight))
     match = np.broadcast_to(balancer.match[0], balanced.shape)
-    for number, rows in enumerate((balanced, match, balanced * match)):
-        log_bars(stream, f"belief/{number}", rows / np.maximum(rows.sum(1, keepdims=True), 1e-300), tick)
+    places = np.rad2deg(balancer.balance.forward_model.action.points[0])
+    for number, (rows, colour) in enumerate(
+        ((balanced, IMITATED), (match, DEMONSTRATED), (balanced * match, IMITATED))
+    ):
+        shares = rows / np.maximum(rows.sum(1, keepdims=True), 1e-300)
+        log_bars(stream, f"belief/{number}", shares, tick, places, colour)

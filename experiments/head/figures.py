@@ -9,7 +9,7 @@ from experiments.head.distractor import INKS as WAYS
 from experiments.head.distractor import Crossed
 from experiments.head.found import Found, Imitation
 from experiments.shared.caregiver import FACE
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.judging import rmse_deg
 from experiments.shared.palette import DARK, FEATURES, OURS, PLAIN, THEIRS
 from experiments.shared.views import AXES
@@ -52,7 +52,7 @@ def movement(one: Imitation) -> Figure:
         axes.set_ylabel(f"{name} [deg]")
         ends = np.rad2deg([one.truth[frames, i].min(), one.truth[frames, i].max()])
         axes.set_ylim(ends[0] - 4, ends[1] + 4)
-    panels[0].legend(ncols=5, fontsize=8, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    legend_above(panels[0], 5)
     _hide(panels[2], time, one.hidden)
     for values, colour, label in (
         (one.watched.raw, RAW, "each frame alone"),
@@ -61,7 +61,7 @@ def movement(one: Imitation) -> Figure:
     ):
         away = np.hypot(*np.rad2deg(values - one.truth)[frames].T)
         panels[2].plot(time[frames], away, color=colour, lw=1.2, label=label)
-    panels[2].set(yscale="log", ylim=(0.01, 30), ylabel="error [deg]", xlabel="s")
+    panels[2].set(yscale="log", ylim=(0.01, 30), ylabel="error [deg]", xlabel="time [s]")
     return figure
 
 
@@ -90,8 +90,8 @@ def distractor(crossed: Crossed) -> Figure:
         through.plot(time[frames], np.maximum(away, 1e-3), color=ink, lw=1.2, label=name)
         wrong.bar(number, 100 * (found["distractor_wrong_share"][name] or 0.0), color=ink)
     over.set(yscale="log", ylabel="pose error, RMS [deg]", title="every sequence")
-    through.set(yscale="log", xlabel="s", ylabel="pose error [deg]", title="the first one")
-    through.legend(fontsize=7, frameon=False, ncols=2)
+    through.set(yscale="log", xlabel="time [s]", ylabel="pose error [deg]", title="the first one")
+    legend_above(through, 3)
     wrong.set(ylabel="wrong thing followed [% of sightings]", title="parts of the face")
     for axes in (over, wrong):
         axes.set_xticks(range(len(WAYS)), [*WAYS], rotation=30, ha="right")
@@ -109,8 +109,8 @@ def _hide(axes: Axes, time: FloatArray, hidden: BoolArray) -> None:
 
 
 @captioned(
-    "Where each feature of a face is expected on the retina, over all poses of its head; learned while a "
-    "caregiver mirrored one's own head."
+    "Where each feature of a face (in its own colour) is expected on the retina, over all poses of its head; learned "
+    "while a caregiver mirrored one's own head."
 )
 def looks(appearance: Appearance) -> Figure:
     """What was learned of a head's looks: where its features are seen as it pans and tilts."""
@@ -155,7 +155,7 @@ def errors(sequences: list[Imitation]) -> Figure:
     axes.axhline(0.8, color=THEIRS, lw=0.8, ls=":")
     axes.axhline(1.0, color=OURS, lw=0.8, ls=":")
     axes.set(yscale="log", xlabel="sequence", ylabel="RMS error [deg]")
-    axes.legend(fontsize=8, frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+    legend_above(axes, 5)
     return figure
 
 
@@ -169,6 +169,6 @@ def recalled(memory: HeadMemory, imitated: FloatArray) -> Figure:
         axes.plot(time, np.rad2deg(memory.pose[:, i]), color=THEIRS, lw=3, alpha=0.4, label="remembered")
         axes.plot(time, np.rad2deg(imitated[:, i]), color=OURS, lw=1.2, label="imitated")
         axes.set_ylabel(f"{name} [deg]")
-    panels[0].legend(frameon=False, fontsize=8, ncols=2)
-    panels[1].set_xlabel("s")
+    legend_above(panels[0])
+    panels[1].set_xlabel("time [s]")
     return figure

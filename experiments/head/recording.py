@@ -64,7 +64,7 @@ def record(path: Path, done: Found, summary: str) -> None:
         used = one.watched.used[frames].astype(float)
         log_series(stream, "seen/numbers", used, FRAME_S, "numbers used", ESTIMATED)
         error = np.rad2deg(np.hypot(*(one.imitated[frames] - truth).T))
-        log_series(stream, "error/imitated", error, FRAME_S, "imitated [deg]", IMITATED)
+        log_series(stream, "error/imitated", error, FRAME_S, "imitated", IMITATED)
         if crossed is not None:
             _record_strays(stream, crossed, frames)
 
@@ -86,24 +86,26 @@ def _record_strays(stream: rr.RecordingStream, crossed: Crossed, frames: NDArray
 
 def _layout(config: Config, picture: NDArray[np.uint8]) -> rrb.Horizontal:
     height = head_of(config.robot).table[2]
-    room = "imitated later, in another room" if config.deferred else "teacher and imitator"
+    room = "imitated later, in another room" if config.deferred else "imitator, left, and teacher; lines: gaze"
+    alone = [
+        views.series(f"{axis}, each frame alone [deg]", *(f"$origin/{kind}" for kind in ("raw", "demonstrated")),
+                     origin=f"/head/{axis}")
+        for axis in views.AXES
+    ]  # fmt: skip
     more = rrb.Tabs(
         views.series("error [deg]", origin="/error"),
-        views.series("numbers the filter used", origin="/seen"),
-        views.series(
-            "each frame alone [deg]",
-            *(f"/head/{axis}/{kind}" for axis in views.AXES for kind in ("raw", "demonstrated")),
-        ),
+        views.series("numbers the filter used (of 30)", origin="/seen"),
+        rrb.Horizontal(*alone, name="each frame alone"),
         *([views.series("error by tracking [deg]", origin="/tracking")] if config.distractor else []),
         active_tab=0,
     )
     return views.beside(
         views.world(room, (0.1, -1.15, height + 0.62), (0.36, 0.0, height + 0.16)),
         views.eyes(picture),
-        rrb.StateTimelineView(name="the face", origin="/face"),
         *views.head_angles("demonstrated", "estimated", "band/**", "imitated"),
         more,
-        row_shares=[1.5, 0.4, 1, 1, 0.8],
+        rrb.StateTimelineView(name="the face", origin="/face"),
+        row_shares=[1.4, 1, 1, 0.9, 0.62],
     )
 
 

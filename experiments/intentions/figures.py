@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from experiments.intentions import films
 from experiments.intentions.agents import GOALS
 from experiments.intentions.found import Done, Studied
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above, spaced
 from experiments.shared.judging import interval_95
-from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
+from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS, inks
 from models.objects.states import STATES
 
 INFANTS: Final = {
@@ -46,14 +46,13 @@ def meant(done: Done) -> Figure:
     figure = Figure(figsize=(8.4, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1.25, 1], sharey=True)
     after = np.arange(len(done.meant.goal))
-    inks = iter([*CYCLE, DARK])
-    for n, goal in enumerate(GOALS):
+    for n, (goal, ink) in enumerate(inks(GOALS).items()):
         if done.meant.goal[:, n].max() > LEAST_SHOWN:
-            left.plot(after, done.meant.goal[:, n], "o-", color=next(inks), label=goal)
+            left.plot(after, done.meant.goal[:, n], "o-", color=ink, label=goal)
     left.set(xlabel="presentations seen", ylabel="P(goal | somebody pursues one)", ylim=(-0.02, 1.02), xticks=after)
-    left.legend(frameon=False, fontsize=8, title="goal")
+    legend_above(left)
     right.plot(after, done.meant.somebody, "o-", color=DARK)
-    right.set(xlabel="presentations seen", ylabel="P(somebody)", xticks=after)
+    right.set(xlabel="presentations seen", ylabel="P(that is somebody)", xticks=after)
     right.tick_params(labelleft=True)
     saw = ", ".join(STATES[one.state or 0] for one in done.shown.seen) or "nothing"
     did = "; ".join(f"{act}: {state}" for _, act, state in done.acts)
@@ -101,9 +100,9 @@ def rates(metrics: dict[str, Any], plays: int) -> Figure:
         axes.errorbar(at, share, [[share - low], [high - share]], fmt=marker, mfc="white", color=DARK, ms=5, capsize=3)
     axes.errorbar([], [], fmt="D", mfc="white", color=DARK, ms=5, label="infants, published")
     axes.errorbar([], [], fmt="s", mfc="white", color=DARK, ms=5, label="infants, figure recalled")
-    axes.set(ylabel="target came about", ylim=(0, 1.32), yticks=np.arange(0, 1.01, 0.2))
-    axes.set_xticks(where, [name.replace("_", " ") for name in names], rotation=25, ha="right")
-    axes.legend(frameon=False, ncols=3, fontsize=9, loc="upper left")
+    axes.set(ylabel="share with whom the target came about", ylim=(0, 1.05), yticks=np.arange(0, 1.01, 0.2))
+    axes.set_xticks(where, [spaced(name) for name in names], rotation=25, ha="right")
+    legend_above(axes, 5)
     figure.suptitle(
         f"What is done after what was shown: {metrics['agents']} agents over {plays} plays, 95 % intervals over "
         "agents; physics for every act.",
@@ -127,9 +126,9 @@ def bodies(metrics: dict[str, Any]) -> Figure:
         ("agent_posterior_unlooked", PLAIN, "never looks up"),
     ):
         axes.plot(range(len(order)), [metrics[key][body] for body in order], "o-", color=ink, label=label)
-    axes.set(ylabel="P(somebody)", ylim=(-0.02, 1.02))
+    axes.set(ylabel="P(that is somebody)", ylim=(-0.02, 1.02))
     axes.set_xticks(range(len(order)), order, rotation=30, ha="right")
-    axes.legend(frameon=False)
+    legend_above(axes)
     figure.suptitle("Is that somebody? By one's own body image, the same movement done by other bodies.", fontsize=9)
     return figure
 
@@ -148,8 +147,8 @@ def by_share(metrics: dict[str, Any]) -> Figure:
             color=ink,
             label=rule,
         )
-    axes.set(xlabel="share of the movement that was seen", ylabel="goal inferred rightly", ylim=(0, 1))
-    axes.legend(frameon=False)
+    axes.set(xlabel="share of the movement that was seen", ylabel="share of goals inferred rightly", ylim=(0, 1))
+    legend_above(axes)
     figure.suptitle(
         f"{metrics['goal_presentations']} presentations by adults who pursue a goal; its end unseen.", fontsize=9
     )
@@ -167,7 +166,7 @@ def sensitivity(metrics: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(11.0, 0.36 * len(rows) + 2.4), layout="constrained")
     axes = figure.subplots()
     _table(axes, 100 * values)
-    axes.set_xticks(range(len(columns)), [name.replace("_", " ") for name in columns], rotation=30, ha="right")
+    axes.set_xticks(range(len(columns)), [spaced(name) for name in columns], rotation=30, ha="right")
     axes.set_yticks(range(len(rows)), rows)
     figure.suptitle(
         "Sensitivity: per cent of imitators with whom the target came about, one thing changed.", fontsize=9

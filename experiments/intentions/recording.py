@@ -12,21 +12,21 @@ from experiments.intentions.agents import GOALS
 from experiments.intentions.figures import LEAST_SHOWN
 from experiments.intentions.found import Done
 from experiments.intentions.showing import device
-from experiments.objects.recording import became, log_touch
+from experiments.objects.recording import STATE_LIGHTS, became, log_touch
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, FOUND, IMITATED, REPLAYED, SERIES
+from experiments.shared.palette import DEMONSTRATED, IMITATED, QUIET, inks, light, shades
 from experiments.shared.playing import LOOKED_AT, TICK_S, at_table
 from experiments.shared.recording import log_body, log_series, log_states, log_stick_figure, recording
 from imitation.acting.primitives import NAMES
 from models.objects.playing import MIDDLE, lay
 from models.objects.scene import PREFIX
-from models.objects.states import STATES
 from models.shapes import parts
 
 BESIDE: Final = 0.75
 """m between imitator and adult."""
-MANY: Final = (*SERIES, FOUND, REPLAYED)
+GOAL_LIGHTS: Final = [light(ink) for ink in inks(GOALS).values()]
 OVER: Final = "over"
+WATCHES: Final = "watches"
 POLES: Final = ((0, 3), (3, 5), (1, 4), (4, 6))
 """Of an outline: pincers to the ends of their poles."""
 
@@ -46,10 +46,12 @@ def layout(done: Done) -> rrb.Horizontal:
     return views.beside(
         views.world("imitator, and who shows it behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
         views.series("P(goal | somebody pursues one)", origin="/goal", within=views.CHANCE),
-        views.series("P(somebody)", origin="/somebody", within=views.CHANCE),
-        rrb.StateTimelineView(name="what is done, and the object's state", origin="/object"),
+        views.series("P(that is somebody)", origin="/somebody", within=views.CHANCE),
+        rrb.StateTimelineView(
+            name="what is done, and what becomes of the object", contents=["/shown/**", "/imitator/**"]
+        ),
         views.series("imitator's touch [N]", origin="/touch"),
-        row_shares=[1.4, 0.8, 1.0, 0.8],
+        row_shares=[1.4, 0.7, 1.15, 0.8],
         stage_share=2.2,
     )
 
@@ -76,8 +78,8 @@ def _log_shown(stream: rr.RecordingStream, done: Done) -> int:
         states += became(tried, trials.toy, row)
         again = "again at once" if presentation.again else "then left"
         acts += [f"{NAMES[int(trials.which[row])]}, {again}"] * len(tried.path)
-    for entity, names, told in (("shown", dict.fromkeys(acts), acts), ("shown_to", dict.fromkeys(STATES), states)):
-        log_states(stream, f"object/{entity}", {**names, OVER: None}, [*told, OVER], TICK_S)
+    for entity, names, told in (("act", shades(acts, DEMONSTRATED), acts), ("object", STATE_LIGHTS, states)):
+        log_states(stream, f"shown/{entity}", {**names, OVER: QUIET}, [*told, OVER], TICK_S)
     return len(whole)
 
 
@@ -96,12 +98,12 @@ def _log_beliefs(stream: rr.RecordingStream, done: Done, watched: int) -> None:
     seen = {one.state for one in done.shown.seen}
     likely = [goal for goal in range(len(GOALS)) if done.meant.goal[:, goal].max() > LEAST_SHOWN]
     order = sorted(likely, key=lambda goal: -done.meant.goal[-1, goal])
-    for number, goal in enumerate(order[: len(MANY)]):
+    for number, goal in enumerate(order):
         never = bool(seen) and goal not in seen
         label = f"{GOALS[goal]}{', never reached' if never else ''}"
         width = 4.0 if never and number == 0 else 2.0
-        log_series(stream, f"goal/{number}", done.meant.goal[after, goal], TICK_S, label, MANY[number], width)
-    log_series(stream, "somebody/P", done.meant.somebody[after], TICK_S, "P(somebody)", IMITATED)
+        log_series(stream, f"goal/{number}", done.meant.goal[after, goal], TICK_S, label, GOAL_LIGHTS[goal], width)
+    log_series(stream, "somebody/P", done.meant.somebody[after], TICK_S, "P(that is somebody)", IMITATED)
 
 
 def _log_acts(stream: rr.RecordingStream, done: Done, watched: int) -> None:
@@ -112,12 +114,12 @@ def _log_acts(stream: rr.RecordingStream, done: Done, watched: int) -> None:
     acting = np.concatenate([one.configurations[:, 0] for one in done.tries])
     whole = np.concatenate([np.repeat(acting[:1], watched, 0), acting])
     log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
-    states, acts = ["watches"] * watched, ["watches"] * watched
+    states, acts = [WATCHES] * watched, [WATCHES] * watched
     for one, (goal, act, _) in zip(done.tries, done.acts, strict=True):
         states += became(one, toy)
         acts += [f"{act}, for {goal!r}"] * len(one.path)
-    log_states(stream, "object/imitator", dict.fromkeys(acts), acts, TICK_S)
-    log_states(stream, "object/becomes", dict.fromkeys(["watches", *STATES]), states, TICK_S)
+    log_states(stream, "imitator/act", shades(acts, IMITATED) | {WATCHES: QUIET}, acts, TICK_S)
+    log_states(stream, "imitator/object", STATE_LIGHTS | {WATCHES: QUIET}, states, TICK_S)
     log_touch(stream, done.tries, watched)
     labels = ["imitator"] + ([done.shown.body] if watched else [])
     places = [(-0.1, 0.0, 0.45), (-0.1, BESIDE, 0.45)][: len(labels)]

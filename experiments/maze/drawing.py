@@ -42,6 +42,8 @@ def draw_maze(axes: Axes, maze: Maze, goals: Sequence[int] = (), *, colour: str 
         )  # fmt: skip
     axes.set(xlim=(0.2, maze.width + 0.8), ylim=(0.2, maze.height + 0.8), aspect="equal")
     axes.set(xticks=_ticks(maze.width), yticks=_ticks(maze.height))
+    axes.set_xlabel("east [cells]", fontsize=8)
+    axes.set_ylabel("north [cells]", fontsize=8)
     axes.tick_params(length=0, labelsize=8)
     axes.spines[:].set_visible(False)
 

@@ -9,7 +9,7 @@ from experiments.maze.drawing import GOAL_COLOURS, GOAL_SHADES, draw_maze, draw_
 from experiments.maze.found import BLOCK, Found
 from experiments.maze.learning import Convergence
 from experiments.maze.mind import places_of
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.figures import learning_curve as draw_curve
 from experiments.shared.palette import PLAIN
 from imitation.inference.intent import in_blocks
@@ -75,7 +75,7 @@ def _draw_actions(axes: Axes) -> None:
 
 @captioned(
     "What imitation is made of, as in the chapter's Figure 6: learned priors over actions on the way to one "
-    "goal, the teacher's walks, and an imitation. Grey tells time, from light to dark."
+    "goal (white 1, black 0), the teacher's walks, and an imitation; of walks grey tells time, from light to dark."
 )
 def figure_6(done: Found) -> Figure:
     """(a) learned priors for N, S, E, W, (b) the teacher's trajectories, (c) an imitation; time in grey."""
@@ -92,7 +92,8 @@ def figure_6(done: Found) -> Figure:
         )  # fmt: skip
         draw_maze(axes, maze, colour="#5f86a8", width=0.7)
         axes.set(xlim=(0.4, maze.width + 0.6), ylim=(0.4, maze.height + 0.6), xticks=[], yticks=[])
-        axes.set_xlabel(name, weight="bold")
+        axes.set_xlabel(name, weight="bold", fontsize=10)
+        axes.set_ylabel("")
         if i == 0:
             axes.set_title(f"(a)  $P(a_t \\mid s_t, s_G)$, Goal {goal}", loc="left", fontsize=11)
     teacher = figure.add_subplot(grid[:, 2])
@@ -127,10 +128,11 @@ def figure_7(done: Found) -> Figure:
     place.set_title(f"(a)  test walk to Goal {walk.goal}, {walk.steps} steps", loc="left", fontsize=11)
     told = ", ".join(f"{p:g}" for p in done.goal_prior.round(3))
     edges = np.append(np.arange(0, walk.steps, BLOCK), walk.steps)
+    means = f"step (means over {BLOCK}, the last over {edges[-1] - edges[-2]})"
     panels = (
-        (f"(b)  inferred intent, Eq. (2), goal prior {told}", "", inferred.by_step),
-        ("goal prior uniform", f"step (means over {BLOCK}, the last over {edges[-1] - edges[-2]})", even.by_step),
-        (f"Bayes filter, goal prior {told}", "", inferred.filtered),
+        (f"(b)  inferred intent, Eq. (2), goal prior {told}", means, inferred.by_step),
+        ("goal prior uniform", means, even.by_step),
+        (f"Bayes filter, goal prior {told}", "step", inferred.filtered),
         ("Bayes filter, goal prior uniform", "step", even.filtered),
     )
     for i, (title, below, intent) in enumerate(panels):
@@ -143,10 +145,10 @@ def figure_7(done: Found) -> Figure:
                 at, values[:, goal], "-o" if blocks else "-", color=GOAL_COLOURS[goal], markersize=6, lw=1.6,
                 markerfacecolor=GOAL_SHADES[goal], markeredgecolor=GOAL_COLOURS[goal], label=f"Goal {goal + 1}",
             )  # fmt: skip
-        axes.set(ylim=(-0.03, 1.03), xlim=(0, walk.steps + 1), xlabel=below, ylabel="$P(s_G)$" if blocks else "")
+        axes.set(ylim=(-0.03, 1.03), xlim=(0, walk.steps + 1), xlabel=below, ylabel="$P(s_G)$")
         axes.set_title(title, loc="left", fontsize=10)
         axes.grid(alpha=0.25)
-    figure.axes[1].legend(frameon=False, fontsize=9, loc="center")
+        legend_above(axes)
     return figure
 
 

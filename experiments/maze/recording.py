@@ -17,6 +17,7 @@ from experiments.maze.drawing import GOAL_COLOURS, offsets, wall_segments
 from experiments.maze.found import Found
 from experiments.maze.mind import places_of
 from experiments.shared import views
+from experiments.shared.figures import spaced
 from experiments.shared.palette import CYCLE, PLAIN, light
 from experiments.shared.recording import log_figure, log_series, log_states, recording, ticks
 from models.maze import ACTIONS, STEPS, Maze
@@ -125,33 +126,25 @@ def _log_walk(stream: rr.RecordingStream, world: str, places: IntArray) -> None:
     stream.send_columns(f"{world}/trail", index, strips.partition([len(trail) for trail in trails]))
 
 
-def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Vertical:
+def _layout(done: Found, figures: Mapping[str, Figure]) -> rrb.Horizontal:
     def world(name: str, title: str) -> rrb.Spatial3DView:
         width, height = done.maze.width, done.maze.height
         x, y, across = (width + 1) / 2, (height + 1) / 2, max(width, height)
         return views.world(title, (x, y - 0.38 * across, 1.1 * across), (x, y, 0.0), f"/{name}")
 
-    pictures = [
-        rrb.Spatial2DView(origin=f"/figures/{name}", name=name.replace("_", " ").capitalize()) for name in figures
-    ]
-    return rrb.Vertical(
+    return views.beside(
         rrb.Horizontal(
-            world("imitating", f"Imitating goal {done.config.goal}: arrows are P(action)"),
-            world("watching", f"Watching an unseen walk to goal {done.unseen.goal}: spheres are P(goal)"),
-            rrb.Tabs(rrb.TextDocumentView(origin="/summary", name="Summary"), *pictures, active_tab=0),
-            column_shares=[1, 1, 1.05],
+            world("imitating", f"imitating goal {done.config.goal}: arrows are P(action)"),
+            world("watching", f"watching an unseen walk to goal {done.unseen.goal}: spheres are P(goal)"),
         ),
-        rrb.Horizontal(
-            rrb.Vertical(
-                views.series("Eq. (1): posterior over actions", origin="/actions/posterior", within=views.CHANCE),
-                rrb.StateTimelineView(origin="/actions/mode", name="What decided"),
-                row_shares=[1.7, 1],
-            ),
-            views.series("Posterior over goals, Bayes filter", origin="/goals/filter", within=views.CHANCE),
-            views.series("Eq. (2): posterior over goals, step by step", origin="/goals/by_step", within=views.CHANCE),
-            column_shares=[1, 1, 1.05],
-        ),
-        row_shares=[1.7, 1],
+        views.series("Eq. (1): P(action), X is to stay", origin="/actions/posterior", within=views.CHANCE),
+        rrb.StateTimelineView(origin="/actions/mode", name="what decided"),
+        views.series("Bayes filter: P(goal), all steps so far", origin="/goals/filter", within=views.CHANCE),
+        views.series("Eq. (2): P(goal), each step by itself", origin="/goals/by_step", within=views.CHANCE),
+        row_shares=[1, 0.5, 1, 1],
+        stage_share=1.4,
+        right_share=1.0,
+        more=[views.picture(spaced(name), f"/figures/{name}") for name in figures],
     )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from experiments.notice.trials import KINDS, Changed
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.palette import DARK, OURS, PLAIN
 
 AROUND_S = 1.0
@@ -44,17 +44,17 @@ def noticing(found: Mapping[str, Changed], limit: float, tick_s: float, joints: 
             title=f"{KINDS[kind]}\n{where.replace('_', ' ')}",
             yscale="symlog",
             xlim=(-AROUND_S, AROUND_S),
-            xlabel="s after the change",
+            xlabel="time after the change [s]",
         )
         for way, (ink, style) in {"average": (OURS, "-"), "line": (DARK, ":"), "error": (PLAIN, "--")}.items():
             window = done.at[:, None] + 1 + np.arange(around // 2)
             over = done.whole[way][window, np.arange(len(done.at))[:, None]] > limit
             share = 100 * np.maximum.accumulate(over, 1).mean(0)
             below.plot((1 + np.arange(around // 2)) * tick_s, share, style, color=ink, label=way)
-        below.set(xlabel="s after the change", ylim=(0, 103))
+        below.set(xlabel="time after the change [s]", ylim=(0, 103))
     rows[0, 0].set_ylabel(
         "surprise [nat]: joints that changed (orange),\nothers (grey), the body (black); alarm dashed"
     )
     rows[1, 0].set_ylabel("noticed by then, % of all cases")
-    rows[1, 0].legend(frameon=False)
+    legend_above(rows[1, 0])
     return figure

@@ -23,7 +23,7 @@ def record(path: Path, done: Changed, body: SimulatedBody, limit: float, joints:
     whole, surprise = done.whole["average"][:, 0], done.surprise["average"][:, 0]
     layout = views.beside(
         views.world("imitator", (1.0, 0.0, 0.5), (0.0, 0.0, 0.3)),
-        views.series("surprise of the body [nat], and when it is an alarm", origin="/body"),
+        views.series("surprise of the body [nat]", origin="/body"),
         views.series("surprise of the joints [nat]", origin="/joints"),
         rrb.StateTimelineView(name="what happens", origin="/change"),
         row_shares=[1, 1.4, 0.5],
@@ -32,7 +32,7 @@ def record(path: Path, done: Changed, body: SimulatedBody, limit: float, joints:
         stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
         log_body(stream, "world/imitator", parts(body.model, body.configurations(done.heard.angles)), body.tick_s)
         log_series(stream, "body/surprise", whole, body.tick_s, "whole body", IMITATED)
-        log_series(stream, "body/limit", np.full(len(whole), limit), body.tick_s, "alarm", REPLAYED, 1.0)
+        log_series(stream, "body/limit", np.full(len(whole), limit), body.tick_s, "alarm from here on", REPLAYED, 1.0)
         most = np.argsort(-surprise.max(0))[:SHOWN]
         for joint, light in zip(most, SERIES, strict=False):
             log_series(stream, f"joints/{joints[joint]}", surprise[:, joint], body.tick_s, joints[joint], light)

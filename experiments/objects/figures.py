@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from experiments.objects.deciding import UNSEEN
 from experiments.objects.found import Done, Studied
 from experiments.play.figures import outcomes
-from experiments.shared.figures import captioned
+from experiments.shared.figures import captioned, legend_above
 from experiments.shared.judging import interval_95
 from experiments.shared.palette import DARK, OURS, PLAIN, THEIRS
 from imitation.acting.primitives import NAMES
@@ -93,8 +93,8 @@ def head_touch(studied: Studied) -> Figure:
                 ends = [[share - low], [high - share]]
                 axes.errorbar(where, share, ends, fmt=MARKS[source], color=DARK, ms=5, capsize=2, lw=1, label=label)
                 shown.add(source)
-    axes.set(ylabel="touched the panel with the forehead", ylim=(0, 1.3))
-    axes.legend(frameon=False, loc="upper right", ncols=2, fontsize=9)
+    axes.set(ylabel="share who touched it with the forehead", ylim=(0, 1.05))
+    legend_above(axes)
     figure.suptitle(
         f"Head touch by what was seen: {metrics['agents']} agents over {len(studied.plays)} plays, and peers that do "
         "the movement (mimic)\nor bring the light about (emulate); exact 95 % intervals. Infants: published rates.",

@@ -1,18 +1,19 @@
-"""The recording of `imitate objects`: teacher and imitator at their tables, contact, grip, states, Eq. (1)'s choice."""
+"""The recording of `imitate objects`: teacher and imitator at their tables, contact, grip, states, the choice."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from matplotlib.figure import Figure
 
 from experiments.objects.found import Done
 from experiments.objects.options import words
 from experiments.shared import views
-from experiments.shared.palette import DEMONSTRATED, IMITATED, REPLAYED, SERIES
+from experiments.shared.palette import DEMONSTRATED, FEATURES, IMITATED, SERIES, THEIRS, inks, light, shades
 from experiments.shared.playing import TICK_S, Tried, at_table
-from experiments.shared.recording import heat_map, log_bars, log_body, log_picture, log_series, log_states, recording
+from experiments.shared.recording import log_body, log_figure, log_series, log_states, recording
 from imitation.acting.primitives import NAMES
 from models.objects import TOYS
 from models.objects.playing import MIDDLE, lay
@@ -20,34 +21,37 @@ from models.objects.states import STATES, Watched
 from models.shapes import parts
 
 PARTS = ("left hand", "right hand", "forehead")
+PART_LIGHTS = (light(FEATURES["magenta"]), light(THEIRS), SERIES[2])
+"""As they are marked."""
+STATE_LIGHTS = {state: light(ink) for state, ink in inks(STATES).items()}
+FIGURES = {"choice": "what was chosen, and why", "outcomes": "what play taught"}
+"""Those that the recording holds too, and what they are called there."""
 BESIDE = 0.75
 """m between imitator and teacher."""
 
 
-def record(path: Path, done: Done, summary: str) -> None:
+def record(path: Path, done: Done, summary: str, made: Mapping[str, Figure]) -> None:
     """Write the recording."""
     name = f"{words(done.config)}, seed {done.config.seed}"
-    with recording(path, "imitate-objects", name, layout(done), summary) as stream:
+    with recording(path, "imitate-objects", name, layout(), summary) as stream:
         _log_imitator(stream, done)
         if done.act is not None:
             _log_teacher(stream, done)
-        _log_tables(stream, done)
+        for stem in FIGURES:
+            log_figure(stream, f"figures/{stem}", made[stem])
 
 
-def layout(done: Done) -> rrb.Horizontal:
-    """The tables left; touch, grip, state and choice right."""
-    belief = views.bars(f"Eq. (1): P(primitive | {done.goal})", "/choice")
-    taken = views.bars("P(primitive | movement seen)", "/recognised")
-    tables = rrb.Spatial2DView(name="P(state | primitive), states across, primitives down", origin="/tables")
+def layout() -> rrb.Horizontal:
+    """The tables left; state, touch, grip and places right; the choice and what it rests on in tabs of their own."""
     return views.beside(
         views.world("imitator, and teacher behind", (0.9, -0.3, 0.56), (0.06, 0.25, 0.24)),
-        rrb.StateTimelineView(name="the imitator's object", origin="/object"),
+        rrb.StateTimelineView(name="what is done, and the object's state", origin="/imitator"),
         views.series("touch [N]", origin="/touch"),
         views.series("grip, at most [N]", origin="/grip"),
-        rrb.Horizontal(taken, belief),
-        rrb.Tabs(tables, views.series("where its parts are, above the table [m]", origin="/height"), active_tab=0),
-        row_shares=[1.1, 0.9, 0.7, 0.9, 1.2],
+        views.series("hands and forehead, above the table [m]", origin="/height"),
+        row_shares=[1, 0.9, 0.7, 0.9],
         stage_share=2.2,
+        more=[views.picture(name, f"/figures/{stem}") for stem, name in FIGURES.items()],
     )
 
 
@@ -61,32 +65,27 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
     log_body(stream, "world/imitator", parts(body.model, whole), TICK_S)
     for n, part in enumerate(PARTS):
         height = np.concatenate([tried.true.parts[:, 0, n, 2] for tried in tries]) + MIDDLE[2] - body.table
-        log_series(stream, f"height/{n}", height, TICK_S, part, SERIES[n])
+        log_series(stream, f"height/{n}", height, TICK_S, part, PART_LIGHTS[n])
         if n < 2:
             grip = np.concatenate([tried.grips[:, 0, n] for tried in tries])
-            log_series(stream, f"grip/{n}", grip, TICK_S, part, SERIES[n])
+            log_series(stream, f"grip/{n}", grip, TICK_S, part, PART_LIGHTS[n])
     log_touch(stream, tries)
-    colours = dict(zip(STATES, [REPLAYED, *SERIES[: len(STATES) - 1]], strict=True))
     states, acts = list[str](), list[str]()
     for tried in tries:
         states += became(tried, toy)
         acts += [NAMES[int(tried.which[0])]] * len(tried.path)
-    log_states(stream, "object/state", colours, states, TICK_S)
-    log_states(stream, "object/act", dict.fromkeys(acts), acts, TICK_S)
+    log_states(stream, "imitator/object", STATE_LIGHTS, states, TICK_S)
+    log_states(stream, "imitator/act", shades(acts, IMITATED), acts, TICK_S)
     if done.memory is not None:
-        goal = [done.goal] * len(states)
-        log_states(stream, "object/remembered", {done.goal: DEMONSTRATED}, goal, TICK_S)
-    choice = np.concatenate([np.repeat(done.response.posteriors[:1], len(tried.path), 0) for tried in tries])
-    log_bars(stream, "choice", choice, TICK_S)
-    if done.memory is not None:
-        log_bars(stream, "recognised", np.repeat(done.memory.primitive[None], len(choice), 0), TICK_S)
+        goal = {done.goal: STATE_LIGHTS.get(done.goal, DEMONSTRATED)}
+        log_states(stream, "imitator/wants", goal, [done.goal] * len(states), TICK_S)
 
 
 def log_touch(stream: rr.RecordingStream, tries: Sequence[Tried], waited: int = 0) -> None:
     """What hands and forehead felt, one try after the other, after so many ticks of nothing."""
     for n, part in enumerate(PARTS):
         felt = np.concatenate([np.zeros(waited), *(tried.touch[:, 0, n] for tried in tries)])
-        log_series(stream, f"touch/{n}", felt, TICK_S, part, SERIES[n])
+        log_series(stream, f"touch/{n}", felt, TICK_S, part, PART_LIGHTS[n])
 
 
 def became(tried: Tried, toy: str, row: int = 0) -> list[str]:
@@ -112,9 +111,3 @@ def _log_teacher(stream: rr.RecordingStream, done: Done) -> None:
         colors=[IMITATED, DEMONSTRATED], show_labels=True,
     )  # fmt: skip
     stream.log("world/labels", signs, static=True)
-
-
-def _log_tables(stream: rr.RecordingStream, done: Done) -> None:
-    play = done.child.play
-    kind = play.kinds.index(TOYS[done.config.object].kind)
-    log_picture(stream, "tables", heat_map(play.outcomes.predictive[0, kind, 0], aspect=1.2))

@@ -55,9 +55,9 @@ def run(config: Config) -> Result:
         ("what it is after", done.goal),
         *((f"act {n}", f"{name}: {state}") for n, (name, state) in enumerate(done.acts, 1)),
     ]
-    numbered = ", ".join(f"{n} {name}" for n, name in enumerate(NAMES))
-    summary = f"# An act on the {config.object}\n\n{markdown(rows)}\n\nPrimitives: {numbered}."
-    return Result(done.metrics, summary, figures(done), lambda path: record(path, done, summary))
+    summary = f"# An act on the {config.object}\n\n{markdown(rows)}"
+    made = figures(done)
+    return Result(done.metrics, summary, made, lambda path: record(path, done, summary, made))
 
 
 def study(config: Config) -> Result:

@@ -5,14 +5,9 @@ from matplotlib.figure import Figure
 from babbling.play import HANDS, Play
 from experiments.shared.figures import captioned
 
-CAPTION = (
-    "P(state of the thing | kind, hands, primitive) after {minutes:.0f} body-minutes of play, and how often each "
-    "primitive was done (right of each row)."
-)
-
 
 @captioned(
-    "What play taught of every kind of thing: P(state | primitive), with the number of tries at the right. "
+    "P(state of the thing | kind, hands, primitive), and right of each row how often the primitive was done. "
     "Where nothing was tried, the prior is seen."
 )
 def outcomes(play: Play) -> Figure:
@@ -25,8 +20,9 @@ def outcomes(play: Play) -> Figure:
     rows = -(-len(shown) // columns)
     figure = Figure(figsize=(3.1 * columns + 1.4, 4.0 * rows + 0.6), layout="constrained")
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    for axes in grid.flat[len(shown) :]:
-        axes.axis("off")
+    for number in range(len(shown), grid.size):
+        grid.flat[number].axis("off")
+        grid.flat[number - columns].tick_params(labelbottom=True)
     for axes, (k, h) in zip(grid.flat, shown, strict=False):
         picture = axes.imshow(play.outcomes.predictive[0, k, h], vmin=0, vmax=1, cmap="Oranges", aspect="auto")
         axes.set_title(f"{play.kinds[k]}" + (", hands bound" if h else ""), fontsize=10, loc="left")
@@ -36,5 +32,5 @@ def outcomes(play: Play) -> Figure:
             axes.text(len(states) - 0.35, a, f"{count:.0f}", fontsize=7, va="center", color="#444444")
         axes.set_xlim(-0.5, len(states) + 0.6)
     figure.colorbar(picture, ax=grid, label="probability", shrink=0.6)
-    figure.suptitle(CAPTION.format(minutes=play.minutes), fontsize=9)
+    figure.suptitle(f"What {play.minutes:.0f} body-minutes of play taught of each kind of thing", fontsize=11)
     return figure

@@ -17,6 +17,7 @@ from experiments.shared.experiment import as_json, check_file
 from experiments.shared.pixels import watch_hands
 from experiments.shared.playing import SEATED
 from experiments.shared.progress import progress
+from experiments.shared.report import drawn
 from experiments.shared.rounds import PLAYED, empty, kinds, play_on, rounds_of, usable
 from experiments.shared.tables import show, table
 from models.loading import load_body
@@ -50,7 +51,7 @@ def command(config: Config) -> Path:
         child = replace(child, play=play_on(*one, after))
     metrics = told(child.play) | {"seed": config.seed, "play_wall_s": time.perf_counter() - started}
     out.with_suffix(".json").write_text(as_json(metrics))
-    outcomes(child.play).savefig(out.with_suffix(".png"), dpi=130)
+    out.with_suffix(".png").write_bytes(drawn(outcomes(child.play)))
     rows = [
         ("body time of play", f"{child.play.minutes:.1f} minutes, {int(child.play.reached.sum())} tries"),
         ("kinds of things", ", ".join(child.play.kinds)),

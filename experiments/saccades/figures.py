@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from babbling.axes import FloatArray
 from babbling.looking import LookingMind
 from experiments.saccades.trials import Fixated, Predicted
-from experiments.shared.figures import captioned, learning_curve
+from experiments.shared.figures import captioned, learning_curve, legend_above
 from experiments.shared.judging import LearningCurve
 from experiments.shared.palette import OURS, THEIRS
 from experiments.shared.views import AXES
@@ -25,7 +25,7 @@ def figures(
         )(learning_curve)(
             curve.minutes,
             {"forward model": curve.table, "efference copy alone (least squares of the pilot)": curve.line},
-            ("body-minutes (pilot included)", "error after an unseen saccade [px]"),
+            ("babbling, pilot included [body-minutes]", "error after an unseen saccade [px]"),
         ),
         "forward_model": forward_model(mind),
     }
@@ -58,8 +58,8 @@ def prediction(mind: LookingMind, trials: Predicted, guess: FloatArray) -> Figur
     errors.axvline(0.5, color="0.5", lw=1, ls="--")
     errors.annotate("0.5 px", (0.5, 1.0), xycoords=("data", "axes fraction"), xytext=(4, 2), va="bottom",
                     textcoords="offset points", fontsize=8, color="0.4")  # fmt: skip
-    errors.set(xscale="log", xlabel="error of the expected position [px]", ylabel="sightings")
-    errors.legend(fontsize=9, frameon=False, loc="upper left")
+    errors.set(xscale="log", xlabel="error of the expected position [px]", ylabel="sightings [number]")
+    legend_above(errors, 1)
     return figure
 
 
@@ -74,15 +74,25 @@ def fixation(mind: LookingMind, fixated: Fixated) -> Figure:
     field, share = figure.subplots(1, 2, width_ratios=[1.25, 1])
     reached = np.minimum(fixated.once, 3.0)
     dots = field.scatter(*fixated.start.T, c=reached, s=14, cmap="viridis", vmin=0, vmax=max(0.5, reached.max()))
-    figure.colorbar(dots, ax=field, label="px from the middle after one saccade", shrink=0.85)
+    figure.colorbar(dots, ax=field, label="after one saccade, from the middle [px]", shrink=0.85)
     field.plot(0, 0, "+", color="k", ms=12)
     field.set(xlim=(-half[0], half[0]), ylim=(half[1], -half[1]), aspect="equal")
-    field.set(xlabel="u [px]", ylabel="v [px]", title=f"where {len(reached)} things were when they drew the eye")
+    field.set(
+        xlabel="u from the middle [px]",
+        ylabel="v from the middle [px]",
+        title=f"where {len(reached)} things were when they drew the eye",
+    )
     for values, colour, name in ((fixated.once, OURS, "one saccade"), (fixated.twice, THEIRS, "two saccades")):
         share.step(np.sort(values), 100 * np.arange(1, len(values) + 1) / len(values), color=colour, label=name)
     share.axvline(1.5, color="0.5", ls="--", lw=1)
-    share.set(xlim=(0, 2), ylim=(0, 101), xlabel="px from the middle", ylabel="% of trials", title="fixated within")
-    share.legend(frameon=False, loc="lower right")
+    share.set(
+        xlim=(0, 2),
+        ylim=(0, 101),
+        xlabel="distance from the middle [px]",
+        ylabel="share of trials [%]",
+        title="fixated within",
+    )
+    legend_above(share)
     return figure
 
 
@@ -113,7 +123,7 @@ def forward_model(mind: LookingMind) -> Figure:
         ):
             places = things[:, :2].T
             shown.quiver(*places, *field.T, angles="xy", scale_units="xy", scale=scale, width=0.003, color=ink)
-            shown.set(xlabel="u [px]", ylabel="v [px]", aspect="equal")
+            shown.set(xlabel="u from the middle [px]", ylabel="v from the middle [px]", aspect="equal")
             shown.set_title(f"{where}: {title}", fontsize=10)
             shown.set(xlim=(-1.15 * half[0], 1.15 * half[0]), ylim=(1.15 * half[1], -1.15 * half[1]))
     return figure

@@ -11,7 +11,7 @@ from babbling.axes import FloatArray
 from experiments.shared import views
 from experiments.shared.eyes import SACCADE_S
 from experiments.shared.eyes_recording import log_events, log_eyes, log_stage
-from experiments.shared.palette import DEMONSTRATED, IMITATED
+from experiments.shared.palette import ESTIMATED, IMITATED
 from experiments.shared.recording import log_series, recording
 from models.onlooker import Onlooked
 
@@ -41,7 +41,7 @@ def record(
         found, expected = both([g.found for g in glances]), both([g.predicted for g in glances])
         log_eyes(stream, [g.images for g in glances], SACCADE_S, found, expected, (1.0, 2.2))
         log_stage(stream, seen, SACCADE_S)
-        for i, (axis, colour) in enumerate(zip(views.AXES, (DEMONSTRATED, IMITATED), strict=True)):
+        for i, (axis, colour) in enumerate(zip(views.AXES, (IMITATED, ESTIMATED), strict=True)):
             angles = np.rad2deg([g.angles[i] for g in glances])
             log_series(stream, f"head/{axis}/imitated", angles, SACCADE_S, axis, colour)
         log_events(stream, [(number * SACCADE_S, g.event) for number, g in enumerate(glances)])
@@ -52,6 +52,6 @@ def _layout(height: float, picture: NDArray[np.uint8]) -> rrb.Horizontal:
         views.world("head and toys", (-0.9, -0.9, height + 0.8), (0.35, 0.0, height + 0.2)),
         views.eyes(picture),
         views.series("pan and tilt [deg]", origin="/head"),
-        rrb.TextLogView(name="fixations", origin="/events"),
+        views.events("fixations"),
         row_shares=[1.4, 1, 0.9],
     )

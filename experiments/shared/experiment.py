@@ -21,7 +21,7 @@ from experiments.errors import ExperimentError
 from experiments.shared.options import Options
 from experiments.shared.progress import progress
 from experiments.shared.provenance import MAKES_NO_DIFFERENCE, provenance
-from experiments.shared.report import draw, page
+from experiments.shared.report import drawn, page
 from experiments.stopping import say
 from models.files import text
 
@@ -77,7 +77,7 @@ def publish(name: str, config: Options, result: Result) -> Path:
         try:
             (beside / "metrics.json").write_text(as_json(result.metrics))
             for number, (stem, figure) in enumerate(result.figures.items(), 1):
-                draw(figure, beside / f"{stem}.png")
+                (beside / f"{stem}.png").write_bytes(drawn(figure))
                 report(0.5 * number / len(result.figures))
             for file, write in result.files.items():
                 write(beside / file)

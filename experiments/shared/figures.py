@@ -37,6 +37,20 @@ def captioned(caption: str) -> Callable[[Callable[Drawn, Figure]], Callable[Draw
     return wrap
 
 
+def spaced(name: str) -> str:
+    """A name as people write it."""
+    return name.replace("_", " ")
+
+
+def legend_above(axes: Axes, ncols: int = 4) -> None:
+    """What lines are called: between the axes and their title, where nothing is drawn."""
+    rows = -(-len(axes.get_legend_handles_labels()[0]) // ncols)
+    for side in ("center", "left"):
+        if title := axes.get_title(side):
+            axes.set_title(title, loc=side, pad=6 + 13 * rows)
+    axes.legend(frameon=False, fontsize=8, ncols=ncols, loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1)
+
+
 def learning_curve(
     x: FloatArray | Sequence[float],
     lines: Mapping[str, FloatArray | Sequence[float]],
@@ -57,13 +71,13 @@ def learning_curve(
         axes.axhline(level[1], color=PLAIN, lw=1, ls="--", label=level[0])
     axes.set(xlabel=labels[0], ylabel=labels[1], title=title)
     if "y" not in log:
-        axes.set_ylim(0, None)
+        axes.set_ylim(0, 1.05 * axes.dataLim.y1)
     for name in log:
         axes.set(**{f"{name}scale": "log"})
         plain(getattr(axes, f"{name}axis"))
     if log:
         axes.grid(alpha=0.25)
-    axes.legend(frameon=False)
+    legend_above(axes)
     return figure
 
 
@@ -95,11 +109,18 @@ def rates(
             style.setdefault(method, (CYCLE[len(style) % len(CYCLE)], MARKS[len(style) % len(MARKS)]))
             ink, mark = style[method]
             spread = None if interval is None else np.clip(np.abs(np.transpose(interval) - share), 0, None)
-            how = {"ms": 4.5, "lw": 1.6, "elinewidth": 1, "ls": line if len(at) > 1 else ""}
+            how = {
+                "ms": 4.5,
+                "lw": 1.6,
+                "elinewidth": 1,
+                "ls": line if len(at) > 1 else "",
+                "zorder": 3 - 0.1 * len(drawn),
+            }
             drawn[method] = axes.errorbar(at, share, spread, color=ink, marker=mark, **how)
         if level is not None:
             drawn[level[0]] = axes.axhline(level[1], color="black", lw=0.9, ls="--")
         axes.set(xlabel=labels[0], ylim=(-0.03, 1.05))
+        axes.tick_params("x", labelsize=8)
         axes.set_title(panel, loc="left", fontsize=11)
         axes.grid(alpha=0.25)
     if log:
@@ -116,9 +137,10 @@ def sweeps(panels: Mapping[str, Sweep], chance: float, ylabel: str, title: str) 
     drawn, learners = {}, len(next(iter(panels.values())).right)
     for panel, sweep in panels.items():
         mean, half = over_learners(sweep.right)
-        curves = zip(sweep.rules, mean, np.stack([mean - half, mean + half], -1), strict=True)
+        ends = np.clip(np.stack([mean - half, mean + half], -1), 0, 1)  # of shares
+        curves = zip(sweep.rules, mean, ends, strict=True)
         at = [f"{x:g}" for x in sweep.at]
-        drawn[panel] = {rule: {"at": at, "share": share, "interval": ends} for rule, share, ends in curves}
+        drawn[panel] = {rule: {"at": at, "share": share, "interval": interval} for rule, share, interval in curves}
     figure = rates(drawn, ("", f"{ylabel}\nmean and 95 % over {learners} learners"), ("chance", chance), title)
     for axes, sweep in zip(figure.axes, panels.values(), strict=True):
         axes.set_xlabel(sweep.label)

@@ -142,8 +142,6 @@ def learn_mind(
     if left is None:
         held_out.note_pilot(*runs[0], found)
         look(within=False)
-        if elsewhere is not None:  # no tick is felt here
-            part(report, before, babbled)(done / len(plan))
 
     def unrehearsed() -> Mind:
         return Mind(body.fingerprint, options.seed, found, model, Temper.cautious(len(model.factors)))
@@ -161,6 +159,8 @@ def learn_mind(
         nonlocal clock, spent
         spent += time.perf_counter() - clock
         look(within=False)
+        if elsewhere is not None:  # no tick is felt here
+            part(report, before, babbled)(done / len(plan))
         keep(done, EVERY_S if done < len(plan) else EVERY_S * 0.7)
         body.reseed(1 + done)  # so that a bout feels the same whether or not earlier ones were run in this process
         clock = time.perf_counter()

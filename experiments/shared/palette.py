@@ -1,6 +1,9 @@
 """Colours, each said once: inks on white paper, and lights on the dark ground of a recording."""
 
-from matplotlib.colors import to_rgb
+from collections.abc import Iterable
+from itertools import cycle
+
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 
 Light = tuple[int, int, int]
 
@@ -16,6 +19,10 @@ DEMONSTRATED, IMITATED, REPLAYED = (120, 170, 255), (255, 140, 40), (150, 150, 1
 EARLIER = (150, 95, 50)
 """Attempts before the last."""
 ESTIMATED = (110, 220, 150)
+COMMANDED = TRUE = (255, 255, 255)
+"""White on dark ground is what DARK is on paper: what no belief changes any more."""
+QUIET = (84, 90, 98)
+"""Where nothing goes on."""
 FOUND, EXPECTED = (255, 255, 255), (255, 150, 40)
 """Places on a retina."""
 GROUND, GRID = (74, 81, 93), (110, 118, 130, 90)
@@ -26,6 +33,23 @@ def light(ink: str) -> Light:
     """An ink as red, green, blue of 0 to 255."""
     r, g, b = to_rgb(ink)
     return round(255 * r), round(255 * g), round(255 * b)
+
+
+def glowing(ink: str) -> Colormap:
+    """From darkness to an ink: a heat map of what has this colour elsewhere."""
+    return LinearSegmentedColormap.from_list(ink, ["black", ink])
+
+
+def inks(names: Iterable[str]) -> dict[str, str]:
+    """One colour of each of some names, in bars, lines and figures; the first is what is there anyway."""
+    return dict(zip(names, cycle((PLAIN, *CYCLE))))
+
+
+def shades(names: Iterable[str], colour: Light) -> dict[str, Light]:
+    """One colour, light and dark by turns: what the same body does, one thing after the other."""
+    r, g, b = colour
+    darker = round(0.7 * r), round(0.7 * g), round(0.7 * b)
+    return dict(zip(dict.fromkeys(names), cycle((colour, darker))))
 
 
 SERIES = tuple(map(light, CYCLE))

@@ -4,7 +4,7 @@ Episodes are buffered and sent once, column by column: a recording is then small
 """
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,12 +21,30 @@ from PIL import Image
 from babbling.axes import FloatArray
 from experiments.shared.experiment import RUN
 from experiments.shared.palette import DEMONSTRATED
+from experiments.shared.report import drawn
+from experiments.shared.views import with_room
 from models.shapes import Part, Shape
 
 STEPS_S = 8.0
 """Steps a second where there is no other time."""
 GHOSTLY = 90
 """Of 255: how much of a ghost's meshes is seen."""
+
+
+class Timed(rr.RecordingStream):
+    """A stream that knows when it ends."""
+
+    end = 0
+    """ns, or steps, of the timeline of this name that `recording` opens with."""
+    timeline = "sim_time"
+
+    def send_columns(self, entity_path: str, indexes: Iterable[rr.TimeColumn], *columns: Any, **more: Any) -> None:  # type: ignore[override]
+        """As ever."""
+        indexes = list(indexes)
+        for index in indexes:
+            if index.timeline == self.timeline and len(index.times):
+                self.end = max(self.end, int(index.times.cast("int64").to_numpy().max()))
+        super().send_columns(entity_path, indexes, *columns, **more)
 
 
 @contextmanager
@@ -41,21 +59,23 @@ def recording(
     """
     rr.set_strict_mode(True)
     run = RUN.get()
-    stream = rr.RecordingStream(application, recording_id=run.identity if run else name)
-    blueprint = rrb.Blueprint(
-        layout,
-        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused", loop_mode="all", fps=STEPS_S),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.BlueprintPanel(state="hidden"),
-    )
+    stream = Timed(application, recording_id=run.identity if run else name)
+    stream.timeline = timeline
     held = stream.memory_recording()
-    stream.send_blueprint(blueprint)
     stream.send_recording_name(name)
     for section, values in (run.properties if run else {}).items():
         if values:
             stream.send_property(section, rr.AnyValues(**values))
     stream.log("summary", rr.TextDocument(summary, media_type=rr.MediaType.MARKDOWN), static=True)
     yield stream
+    with_room(layout, stream.end)
+    blueprint = rrb.Blueprint(
+        layout,
+        rrb.TimePanel(state="collapsed", timeline=timeline, play_state="paused", loop_mode="all", fps=STEPS_S),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.BlueprintPanel(state="hidden"),
+    )
+    stream.send_blueprint(blueprint)
     path.write_bytes(held.drain_as_bytes())
     stream.disconnect()
 
@@ -208,10 +228,8 @@ def log_bars(
 
 
 def log_figure(stream: rr.RecordingStream, entity: str, figure: Figure) -> None:
-    """A figure as a still picture."""
-    file = io.BytesIO()
-    figure.savefig(file, dpi=110, format="png", bbox_inches="tight")
-    stream.log(entity, rr.EncodedImage(contents=file.getvalue(), media_type="image/png"), static=True)
+    """A figure as a still picture, the same as its file."""
+    stream.log(entity, rr.EncodedImage(contents=drawn(figure), media_type="image/png"), static=True)
 
 
 HEIGHT = 360

@@ -14,6 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from textwrap import fill
 from typing import Any, get_type_hints
+from weakref import WeakKeyDictionary
 
 import tyro
 from jinja2 import Environment, StrictUndefined, Template
@@ -28,6 +29,7 @@ from experiments.shared.palette import DARK
 FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
 DPI, LETTERS = 130, 14.5
 """Pixels of a figure, and letters of a caption, to an inch."""
+_DRAWN = WeakKeyDictionary[Figure, bytes]()
 FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
 
 
@@ -46,7 +48,7 @@ def page(
         config: its options.
         summary: Markdown.
         figures: file stem -> figure.
-        folder: where the film, metrics.json and perhaps recording.rrd are already.
+        folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
     """
     drawn = [{"stem": stem, "caption": figure.get_label(), "data": bare(figure)} for stem, figure in figures.items()]
@@ -68,19 +70,36 @@ def page(
     )
 
 
-def draw(figure: Figure, path: Path) -> None:
-    """Write a figure, its caption (its label) under it."""
-    lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
-    caption = figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
-    figure.savefig(path, dpi=DPI, bbox_inches="tight")
-    caption.remove()
+def drawn(figure: Figure) -> bytes:
+    """A figure as PNG, its caption (its label) under it: made once, for its file and the recording."""
+    if figure not in _DRAWN:
+        _settle(figure)
+        lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
+        caption = figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
+        _DRAWN[figure] = _png(figure)
+        caption.remove()
+    return _DRAWN[figure]
 
 
 def bare(figure: Figure) -> str:
     """A figure without its caption, which stands under it as text."""
-    png = io.BytesIO()
-    figure.savefig(png, format="png", dpi=DPI, bbox_inches="tight")
-    return base64.b64encode(png.getvalue()).decode()
+    _settle(figure)
+    return base64.b64encode(_png(figure)).decode()
+
+
+def _settle(figure: Figure) -> None:
+    """Lay it out, once and for all; or legends go with the figure's edge to where the caption ends."""
+    if engine := figure.get_layout_engine():
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    for legend in figure.legends:
+        legend.set_bbox_to_anchor((0, 0, 1, 1), figure.transFigure)
+
+
+def _png(figure: Figure) -> bytes:
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=DPI, bbox_inches="tight")
+    return file.getvalue()
 
 
 def command(name: str, config: Options) -> str:

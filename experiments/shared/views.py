@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
@@ -20,6 +21,8 @@ FIELD, ASPECT = np.deg2rad(55), 1.15
 EYES, AXES = ("left", "right"), ("pan", "tilt")
 GRID_M = 0.1
 """m between the lines on the floor."""
+LEGEND_ROOM = 1.3
+"""How far time axes go, in times of what there is."""
 CHANCE = (0.0, 1.05)
 """Where a probability is drawn."""
 
@@ -27,8 +30,8 @@ CHANCE = (0.0, 1.05)
 def series(
     name: str, *contents: str, origin: str = "/", within: tuple[float, float] | None = None
 ) -> rrb.TimeSeriesView:
-    """Lines through time, what they are called in the corner where they begin last; all under `origin` where nothing
-    is named. Rerun 0.41 finds nothing for a `*` in the middle of a path: entities are named one by one."""
+    """Lines through time, what they are called at the right (`with_room`); all under `origin` where nothing is named.
+    Rerun 0.41 finds nothing for a `*` in the middle of a path: entities are named one by one."""
     return rrb.TimeSeriesView(
         name=name,
         origin=origin,
@@ -67,6 +70,12 @@ def summary() -> rrb.TextDocumentView:
     return rrb.TextDocumentView(name="summary", origin="/summary")
 
 
+def events(name: str) -> rrb.TextLogView:
+    """What happened when, in words."""
+    only = rrb.TextLogColumns(timeline_columns=["sim_time"], text_log_columns=["body"])
+    return rrb.TextLogView(name=name, origin="/events", columns=only)
+
+
 def eyes(picture: NDArray[np.uint8]) -> rrb.Horizontal:
     """What both eyes see in pictures (H, W, 3), and no more: what is expected outside does not shrink them."""
     edges = rrb.VisualBounds2D(x_range=(0, picture.shape[1]), y_range=(0, picture.shape[0]))
@@ -80,16 +89,34 @@ def head_angles(*kinds: str) -> list[rrb.TimeSeriesView]:
     return [series(f"{axis} [deg]", *(f"$origin/{kind}" for kind in kinds), origin=f"/head/{axis}") for axis in AXES]
 
 
+def picture(name: str, origin: str) -> rrb.Spatial2DView:
+    """A figure, or another still picture."""
+    return rrb.Spatial2DView(name=name, origin=origin)
+
+
 def beside(
-    stage: rrb.Spatial3DView,
+    stage: rrb.View | rrb.Container,
     *right: rrb.View | rrb.Container,
     row_shares: Sequence[float],
     stage_share: float = 1.5,
     right_share: float = 1.15,
+    more: Sequence[rrb.View] = (),
 ) -> rrb.Horizontal:
-    """The world and the summary on the left, all else on the right."""
+    """The world and the summary on the left, all else on the right; tabs of their own for what wants all that room."""
+    now: rrb.Container = rrb.Vertical(*right, row_shares=[*row_shares], name="through time")
     return rrb.Horizontal(
         rrb.Vertical(stage, summary(), row_shares=[stage_share, 1]),
-        rrb.Vertical(*right, row_shares=[*row_shares]),
+        rrb.Tabs(now, *more, active_tab=0) if more else now,
         column_shares=[1, right_share],
     )
+
+
+def with_room(layout: rrb.Container | rrb.View, end: int) -> None:
+    """Let the time axes of a layout go on after the `end` (ns or steps): lines are named there, over nothing."""
+    if isinstance(layout, rrb.Container):
+        for part in layout.contents:
+            with_room(part, end)
+    elif isinstance(layout, (rrb.TimeSeriesView, rrb.StateTimelineView)):
+        beyond = rr.TimeRangeBoundary.absolute(seq=round(LEGEND_ROOM * end))
+        axis = rrb.TimeAxis(view_range=rr.TimeRange(rr.TimeRangeBoundary.absolute(seq=0), beyond))
+        layout.properties["TimeAxis"] = axis

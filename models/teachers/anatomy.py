@@ -28,6 +28,13 @@ CARRIED: dict[str, tuple[str, int]] = {
     "right_foot": ("right_foot", 0),
 }
 """Part -> body that carries it and which of forward, left, up in the reference posture it is."""
+BEGINS = {
+    **{f"{side}_{part}": f"{side}_{start}" for side in SIDES for part, (start, _) in ENDS.items()},
+    **{f"{side}_foot": f"{side}_ankle" for side in SIDES},
+    "head": "crown",
+    "trunk": "waist",
+}
+"""Part -> point of the stick figure where it is drawn to begin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,14 +79,15 @@ def perform(name: str, teacher: str, time: FloatArray, motion: BodyPoses, refere
                     pointing[f"{side}_{part}"] = span
     seen = {part: unit(np.einsum("tji,tj->ti", riding["torso"], way)) for part, way in pointing.items()}
     directions = {part: seen[part] for part in PARTS if part in seen}
-    points, bones = _skeleton(motion.positions, riding)
-    return Performance(name, teacher, time, directions, points, bones, torso=riding["torso"])
+    points, bones, names = _skeleton(motion.positions, riding)
+    begins = {part: names.index(BEGINS[part]) for part in directions if BEGINS[part] in names}
+    return Performance(name, teacher, time, directions, points, bones, torso=riding["torso"], begins=begins)
 
 
 def _skeleton(
     positions: Mapping[str, FloatArray], riding: Mapping[str, FloatArray]
-) -> tuple[FloatArray, tuple[tuple[int, int], ...]]:
-    """Points and bones of a stick figure; nose and toes are drawn where the parts' directions point."""
+) -> tuple[FloatArray, tuple[tuple[int, int], ...], list[str]]:
+    """Points, bones and points' names of a stick figure; nose and toes are drawn where the parts' directions point."""
     at = dict(positions)
     for middle, ends in (("neck", "shoulder"), ("waist", "hip")):
         if {f"{side}_{ends}" for side in SIDES} <= at.keys():
@@ -101,4 +109,4 @@ def _skeleton(
     pairs = [(a, b) for chain in chains for a, b in pairwise(name for name in chain if name in at)]
     names = list(dict.fromkeys(name for pair in pairs for name in pair))
     bones = tuple((names.index(a), names.index(b)) for a, b in pairs)
-    return np.stack([at[name] for name in names], axis=1), bones
+    return np.stack([at[name] for name in names], axis=1), bones, names

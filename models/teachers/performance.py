@@ -6,7 +6,7 @@ intermodal mapping; Meltzoff and Moore 1997, and Figure 9 of Rao, Shon and Meltz
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
@@ -38,6 +38,7 @@ class Performance:
     bones: pairs of point indices that are connected.
     remarks: what of it was not as usual, a line each.
     torso: (T, 3, 3) its rotation among the points, to draw it from in front; None where it is not known.
+    begins: part -> index of the point where it begins, as far as both are known.
     The arrays are copied and read-only.
     """
 
@@ -49,16 +50,28 @@ class Performance:
     bones: tuple[tuple[int, int], ...]
     remarks: tuple[str, ...] = ()
     torso: FloatArray | None = None
+    begins: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def ahead(self) -> FloatArray:
         """(T, K, 3) the points about the torso's upright, turned to face x as nearly as it can: by the psi that
         maximises tr(Rz(psi) R) of its rotation R, -atan2(R10 - R01, R00 + R11)."""
+        return self.points if self.torso is None else self._turned(self.torso, self.points)
+
+    @property
+    def pointing(self) -> dict[str, FloatArray]:
+        """Part of `begins` -> (T, 3) unit vector that it points along among the points that look `ahead`."""
         if self.torso is None:
-            return self.points
-        yaw = np.arctan2(self.torso[:, 1, 0] - self.torso[:, 0, 1], self.torso[:, 0, 0] + self.torso[:, 1, 1])
+            return {}
+        ways = np.stack([self.directions[part] for part in self.begins], 1)
+        ahead = self._turned(self.torso, np.einsum("tij,tpj->tpi", self.torso, ways))
+        return dict(zip(self.begins, np.moveaxis(ahead, 1, 0), strict=True))
+
+    @staticmethod
+    def _turned(torso: FloatArray, points: FloatArray) -> FloatArray:
+        yaw = np.arctan2(torso[:, 1, 0] - torso[:, 0, 1], torso[:, 0, 0] + torso[:, 1, 1])
         cos, sin = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-        x, y, z = np.moveaxis(self.points, -1, 0)
+        x, y, z = np.moveaxis(points, -1, 0)
         return np.stack([cos * x + sin * y, cos * y - sin * x, z], -1)
 
     def __post_init__(self) -> None:
@@ -67,6 +80,7 @@ class Performance:
         object.__setattr__(self, "points", _frozen(self.points))
         object.__setattr__(self, "directions", MappingProxyType(directions))
         object.__setattr__(self, "torso", None if self.torso is None else _frozen(self.torso))
+        object.__setattr__(self, "begins", MappingProxyType(dict(self.begins)))
 
 
 def unit(vectors: FloatArray) -> FloatArray:

@@ -19,10 +19,12 @@ from babbling.organs import find_organs
 from babbling.pilot import Pilot, pilot
 from experiments.__main__ import main
 from experiments.correspondence.acts import HARDER, Hard, put_to_parts, seen_hard
+from experiments.correspondence.recording import coloured
 from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Pupil, image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.oracle import Retargeted, retarget
+from experiments.shared.palette import REPLAYED, SERIES
 from models.body import SimulatedBody
 from models.teachers.anatomy import BodyPoses, perform
 from models.teachers.cmu import perform_amc
@@ -188,6 +190,15 @@ def test_recording_holds_both_bodies_and_the_organ(done: Path) -> None:
     paths = {str(chunk.entity_path) for chunk in reader.stream(store=reader.recordings()[0])}
     wanted = {"world/directions/teacher", "world/directions/imitator", "world/teacher", "organ/identified", "structure"}
     assert wanted <= {path.strip("/") for path in paths}
+
+
+def test_a_part_has_one_colour_and_nothing_has_none() -> None:
+    probability = np.full((4, 11), 0.01)
+    probability[:, 3], probability[:, 10] = 0.4, 0.5
+    names = [*"abcdefghij", "nothing"]
+    colours = coloured(names, probability)
+    assert list(colours) == names and colours["d"] == SERIES[0] and colours["nothing"] == REPLAYED
+    assert len({*colours.values()}) == 1 + len(SERIES)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 import base64
 import io
 import shlex
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +15,10 @@ from PIL import Image
 
 from experiments.command_line import parse
 from experiments.registry import EXPERIMENTS
+from experiments.shared.figures import learning_curve, legend_above, rates
 from experiments.shared.options import Options
-from experiments.shared.report import command, draw, page
+from experiments.shared.report import command, drawn, page
+from tests.figures import faults
 
 PROVENANCE = {"project": "1", "commit": "abc", "versions": {"numpy": "2"}}
 
@@ -50,7 +54,7 @@ def figure() -> Figure:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    draw(figure(), tmp_path / "it.png")
+    (tmp_path / "it.png").write_bytes(drawn(figure()))
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(tmp_path / "film.gif")
     (tmp_path / "metrics.json").write_text('{"a": "<b>"}')
     return tmp_path
@@ -113,3 +117,51 @@ def test_the_command_that_is_shown_gives_the_same_options(words: list[str]) -> N
     shown = shlex.split(command(name, config))
     assert shown[:2] == ["imitate", name] and sorted(shown[1:]) == sorted(words)
     assert parse(kind, name, shown[2:]) == parse(kind, name, words[1:])
+
+
+def curve() -> Figure:
+    made = learning_curve([1, 2, 3], {"one": [0.5, 0.4, 0.3], "other": [0.6, 0.5, 0.5]}, ("time [min]", "error [deg]"))
+    made.set_label("How error falls.")
+    return made
+
+
+def test_a_figure_is_made_once_its_caption_and_legend_beside_what_it_shows() -> None:
+    one = rates({"panel": {"rule": {"at": ["a", "b"], "share": [0.2, 0.9]}}}, ("how", "share"), ("chance", 0.5))
+    one.set_label("A caption.")
+    assert drawn(one) is drawn(one)
+    assert [text.get_text() for text in one.texts if text.get_text()] == ["A caption."]
+    made = np.asarray(Image.open(io.BytesIO(drawn(one))).convert("L"))
+    assert made.shape[0] > 5.0 * 130  # higher than the figure without its caption
+    assert not faults(one)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "found"),
+    [
+        (lambda one: one.set_label(" "), "no caption"),
+        (lambda one: one.axes[0].set_xlabel(""), "x axis"),
+        (lambda one: one.axes[0].set_ylabel(""), "y axis"),
+        (lambda one: one.axes[0].legend(loc="upper left"), "lie over"),
+        (lambda one: one.axes[0].tick_params(labelsize=4), "letters of 4"),
+        (lambda one: one.legend(loc="center"), "the figure's legend"),
+    ],
+    ids=["caption", "x", "y", "over", "small", "legend"],
+)
+def test_a_figure_that_does_not_say_what_it_shows_is_found_out(spoil: Callable[[Figure], Any], found: str) -> None:
+    one = curve()
+    drawn(one)
+    assert not faults(one)
+    spoil(other := curve())
+    with pytest.raises(AssertionError, match=found):  # what conftest.py holds every figure of a result to
+        drawn(other)
+
+
+def test_lines_are_named_between_the_axes_and_their_title() -> None:
+    one = curve()
+    one.axes[0].set_title("title")
+    legend_above(one.axes[0], 1)
+    drawn(one)
+    legend, title = one.axes[0].get_legend(), one.axes[0].title
+    assert legend is not None
+    box = legend.get_window_extent()
+    assert one.axes[0].bbox.y1 <= box.y0 and box.y1 <= title.get_window_extent().y0

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun.blueprint as rrb
+from rerun.chunk import RrdReader
 
-from experiments.shared import views
-from experiments.shared.recording import log_bars, log_series, recording
+from experiments.shared import palette, views
+from experiments.shared.recording import log_bars, log_series, log_states, recording
 from tests.recordings import empty_views
 from tests.recordings import views as read_back
 
@@ -46,3 +47,28 @@ def test_a_view_of_data_is_not_empty(tmp_path: Path) -> None:
 def test_a_view_of_nothing_is_found_out(tmp_path: Path, view: rrb.View) -> None:
     with pytest.raises(AssertionError, match="nothing is seen in"):  # what conftest.py holds every recording to
         drawn(tmp_path / "it.rrd", view)
+
+
+def test_time_goes_on_after_the_end_so_that_names_lie_over_nothing(tmp_path: Path) -> None:
+    shown = views.series("tree", origin="/belief"), rrb.StateTimelineView(name="is", origin="/is")
+    with recording(
+        tmp_path / "it.rrd", "it", "it", rrb.Horizontal(rrb.Vertical(*shown), views.summary()), ""
+    ) as stream:
+        log_series(stream, "belief/one", np.arange(5.0), 0.5, "one", (255, 0, 0))
+        log_states(stream, "is", {"a": None, "b": None}, ["a", "b"], 0.5)
+    reader = RrdReader(tmp_path / "it.rrd")
+    ends = [
+        chunk.to_record_batch().column("TimeAxis:view_range")[0].as_py()[0]["end"]
+        for chunk in reader.stream(store=reader.blueprints()[-1])
+        if "TimeAxis:view_range" in chunk.to_record_batch().schema.names
+    ]
+    assert ends == 2 * [round(views.LEGEND_ROOM * 2e9)] and views.LEGEND_ROOM > 1
+
+
+def test_names_keep_their_colours() -> None:
+    names = ["as ever", *"abcdefgh", "more"]
+    given = palette.inks(names)
+    assert list(given) == names and given["as ever"] == palette.PLAIN and len({*given.values()}) == len(names) - 1
+    assert palette.inks(names[:3]).items() <= given.items()
+    light, dark, again = palette.shades(["x", "y", "z", "x"], (100, 200, 10)).values()
+    assert light == again == (100, 200, 10) and dark == (70, 140, 7)

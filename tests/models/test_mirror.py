@@ -31,6 +31,18 @@ def test_mirror_shows_what_pinocchio_computes() -> None:
     np.testing.assert_allclose(mirror.shown(angles), directions(angles), atol=1e-9)
 
 
+def test_arrows_run_along_the_limbs_from_joint_to_joint() -> None:
+    body = load_body("hoap2", copies=1)
+    low, high = body.joint_range.T
+    mirror = Mirror(body)
+    begins, ways = mirror.arrows(np.random.default_rng(0).uniform(low, high, (20, 25)))
+    for inner, outer in (("left_thigh", "left_shank"), ("right_upper_arm", "right_forearm")):
+        one, other = mirror.parts.index(inner), mirror.parts.index(outer)
+        span = begins[:, other] - begins[:, one]
+        along = np.einsum("ti,ti->t", span, ways[:, one]) / np.linalg.norm(span, axis=1)
+        assert along.min() > 0.9, (inner, along.min())  # elbows and knees lie a little beside the axis
+
+
 def test_every_copy_sees_itself() -> None:
     body = load_body("hoap2", copies=3)
     mirror = Mirror(body)

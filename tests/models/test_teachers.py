@@ -177,6 +177,20 @@ def test_it_is_drawn_from_in_front_whichever_way_it_turns(seed: int) -> None:
     assert np.abs(np.cos(yaw) * side[:, 0] + np.sin(yaw) * side[:, 1]).max() < 0.2
 
 
+@pytest.mark.parametrize("name", ["icub-reach", "g1-squat"])
+def test_parts_point_along_the_bones_that_are_drawn(name: str) -> None:
+    """Knee to ankle, elbow to wrist ...: the bone that begins where the part begins."""
+    seen = perform(name)
+    assert {"head", "trunk", "left_foot"} <= set(seen.begins) <= set(seen.directions)
+    for part in (f"{side}_{limb}" for side in ("left", "right") for limb in anatomy.ENDS):
+        begin = seen.begins[part]
+        end = next(b for a, b in seen.bones if a == begin)
+        bone = seen.ahead[:, end] - seen.ahead[:, begin]
+        bone /= np.linalg.norm(bone, axis=1, keepdims=True)
+        np.testing.assert_allclose(seen.pointing[part], bone, atol=1e-9, err_msg=part)
+    assert not replace(seen, torso=None).pointing
+
+
 def test_limbs_of_other_lengths_do_not_matter() -> None:
     """Each segment stretched by a factor of its own points where it pointed."""
     poses = reference = robots.load("icub").reference
