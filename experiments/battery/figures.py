@@ -1,21 +1,29 @@
 """Figures of a battery: agents beside infants, what was left out, what was varied."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments.battery.beside import Row
+from experiments.battery.beside import Row, of
+from experiments.battery.chapters import STAGES, stage_of
 from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, SAME, populations
 from experiments.battery.found import Battery
-from experiments.battery.infants import Rate, Sign
+from experiments.battery.infants import Cell, Rate, Sign
+from experiments.battery.power import Power, power, power_figure
 from experiments.battery.table import IMITATOR, WHOLE
 from experiments.battery.table import varied as factors_of
 from experiments.shared.figures import MARKS, captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
+STUDIES = {
+    "head touch, a week before and never seen": (Cell("head touch", "a week before"), Cell("head touch", "nothing")),
+    "failed attempt and baseline": (Cell("intention", "failed"), Cell("intention", "baseline")),
+    "headband and blindfold, 18 months": (Cell("gaze, headband", "18 months"), Cell("gaze, blindfold", "18 months")),
+}
+"""Whose power is looked at."""
 GOOD = (INSIDE, SAME)
 OPEN = (FEW, NOT_COMPARABLE, "not shown")
 
@@ -23,30 +31,22 @@ OPEN = (FEW, NOT_COMPARABLE, "not shown")
 def figures(done: Battery) -> dict[str, Figure]:
     """By name, in the order of the report."""
     found = {"infants": beside_infants(done.rows), "signs": beside_signs(done.rows)}
-    for name, stage in STAGES.items():
+    for name, (title, *_) in STAGES.items():
         part = done.whole[done.whole["task"].map(stage_of) == name]
         if len(part):
-            found[name] = ablations(part, stage, rng=np.random.default_rng(0))
+            found[name] = ablations(part, title, rng=np.random.default_rng(0))
+    if compared := powers(done, rng=np.random.default_rng(0)):
+        found["power"] = power_figure(compared)
     for factor in done.factors:
         found[f"vary_{factor}"] = varied(done.frame, factor, rng=np.random.default_rng(0))
     return found
 
 
-STAGES: Mapping[str, str] = {
-    "parts": "Stage 1: whose part moved",
-    "movements": "Stage 2: movements reproduced",
-    "gaze": "Stage 2: what a teacher looks at",
-    "face": "Stage 2: faces",
-    "touch": "Stage 3: an act seen once",
-    "intentions": "Stage 4: what was meant",
-}
-"""Chapters of the report."""
-
-
-def stage_of(task: str) -> str:
-    """The chapter that a task belongs to."""
-    starts = {"whose": "parts", "movement": "movements", "gaze": "gaze", "face": "face", "head": "touch"}
-    return next((name for begins, name in starts.items() if task.startswith(begins)), "intentions")
+def powers(done: Battery, *, rng: np.random.Generator) -> list[Power]:
+    """Of studies that compare two groups, were infants these agents."""
+    whole = done.whole[(done.whole["who"] == IMITATOR) & (done.whole["without"] == WHOLE)]
+    pairs = {name: [of(whole, cell).to_numpy(float) for cell in cells] for name, cells in STUDIES.items()}
+    return [power(a, b, repeats=400, name=name, rng=rng) for name, (a, b) in pairs.items() if min(len(a), len(b)) > 1]
 
 
 @captioned(

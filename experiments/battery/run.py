@@ -5,9 +5,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from experiments.battery.chapters import beside_infants, words
 from experiments.battery.faces import Ward, bank, faces, looks
 from experiments.battery.figures import figures
-from experiments.battery.found import Battery, told
+from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
 from experiments.battery.parameters import FEW_THINGS, QUICK, THINGS, Parameters
@@ -19,7 +20,6 @@ from experiments.face.watching import Look
 from experiments.shared.dealing import Failure
 from experiments.shared.experiment import Result
 from experiments.shared.parallel import attempted, succeeded
-from experiments.shared.tables import table
 
 ADULTS = 2
 """Whom agents watch, in turn."""
@@ -57,7 +57,7 @@ def run(config: Config) -> Result:
     took_s, count = time.perf_counter() - began, len(adults) + len(filmed) + len(wards) + len(shards)
     battery = Battery(config, frame, tuple(varied), failed, count, took_s)
     drawn = figures(battery) if config.only is None else {}
-    return Result(battery.metrics, summarise(battery), drawn, None, files(frame), failed)
+    return Result(battery.metrics, summarise(battery), drawn, None, files(frame), words(battery), failed)
 
 
 def _only(lives: list[Life], agent: int) -> Life:
@@ -94,11 +94,6 @@ def _alike(many: Sequence[Any], key: Callable[[Any], tuple[object, ...]]) -> dic
 
 def summarise(done: Battery) -> str:
     """For people: verdicts."""
-    rows = []
-    for one in map(told, done.rows):
-        low_high = one["interval"]
-        found = "-" if low_high is None else f"{one['simulated']:.2f} ({low_high[0]:.2f} to {low_high[1]:.2f})"
-        said = one["published"] if isinstance(one["published"], str) else f"{one['published'][0]:.2f}"
-        rows.append((one["task"], found, said, f"{one['study']} ({one['status']})", one["verdict"]))
-    heads = ("what", "agents (95 %)", "infants", "study (status)", "verdict")
-    return f"# The battery: {done.metrics['agents']} agents, {len(done.frame)} trials\n\n{table(rows, heads)}"
+    shown = [row for row in done.rows if row.simulated is not None]
+    title = f"# The battery: {done.metrics['agents']} agents, {len(done.frame)} trials"
+    return f"{title}\n\n{beside_infants(shown)}"

@@ -43,6 +43,8 @@ class Result:
     """Writes the recording to the path it is given."""
     files: Mapping[str, Callable[[Path], None]] = field(default_factory=dict)
     """Further files: name -> writer."""
+    words: Mapping[str, str] = field(default_factory=dict)
+    """Markdown that stands before a figure in the report, by its file stem."""
     failed: tuple[str, ...] = ()
     """What came to nothing while all else went on, a line each."""
 
@@ -85,7 +87,7 @@ def publish(name: str, config: Options, result: Result) -> Path:
             if result.record is not None:
                 copy_context().run(_recorded, result.record, beside / "recording.rrd", told, result.metrics)
             report(0.7)
-            html = page(name, config, result.summary, result.figures, beside, told)
+            html = page(name, config, result.summary, result.figures, beside, told, result.words)
             (beside / "report.html").write_text(html, encoding="utf-8")
         except BabblingError as error:  # a writer's, of a place that nobody knows
             raise ExperimentError(str(error).replace(str(beside), str(shown))) from error

@@ -13,6 +13,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from textwrap import fill
+from types import MappingProxyType
 from typing import Any, get_type_hints
 from weakref import WeakKeyDictionary
 
@@ -40,6 +41,7 @@ def page(
     figures: Mapping[str, Figure],
     folder: Path,
     provenance: Mapping[str, Any],
+    words: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """The report of a run as HTML.
 
@@ -50,8 +52,12 @@ def page(
         figures: file stem -> figure.
         folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
+        words: Markdown that stands before a figure, by its file stem.
     """
-    drawn = [{"stem": stem, "caption": figure.get_label(), "data": bare(figure)} for stem, figure in figures.items()]
+    drawn = [
+        {"stem": stem, "caption": figure.get_label(), "data": bare(figure), "words": _html(words.get(stem, ""))}
+        for stem, figure in figures.items()
+    ]
     films = [
         {"kind": FILMS[file.suffix], "caption": FILMED, "data": _inline(file)}
         for file in sorted(folder.glob("film.*"))
@@ -61,13 +67,17 @@ def page(
         name=name,
         line=EXPERIMENTS[name].line,
         command=command(name, config),
-        summary=Markup(MarkdownIt("commonmark", {"html": False}).enable("table").render(summary)),
+        summary=_html(summary),
         figures=drawn,
         films=films,
         provenance=provenance,
         recording=(folder / "recording.rrd").exists(),
         metrics=(folder / "metrics.json").read_text(encoding="utf-8"),
     )
+
+
+def _html(markdown: str) -> Markup:
+    return Markup(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
 
 
 def drawn(figure: Figure) -> bytes:

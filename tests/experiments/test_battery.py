@@ -12,9 +12,10 @@ import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
 from experiments.battery.acting import VIEWS, acting, chances
 from experiments.battery.beside import of, rows
+from experiments.battery.chapters import STAGES, stage_of
 from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, OTHER, OUTSIDE, SAME
 from experiments.battery.faces import Ward, bank, faces, looks
-from experiments.battery.figures import STAGES, beside_infants, beside_signs, stage_of
+from experiments.battery.figures import beside_infants, beside_signs
 from experiments.battery.found import told
 from experiments.battery.infants import RATES, SIGNS, Cell
 from experiments.battery.life import Adult, Grown, Life, played_with, pool, unplayed
