@@ -44,6 +44,7 @@ EXPERIMENTS: dict[str, Entry] = {
     "notice": Entry("notice", "a motor jams, a hand takes up a weight, wires are swapped: noticed, named and learned"),
     "robot": Entry("robot", "a robot's card: its motors, senses and what would be refused; a movement to begin with"),
     "compare": Entry("compare", "what earlier runs left, side by side: one table, one figure, one recording"),
+    "reinforcement": Entry("reinforcement", "learning by reward beside imitation: how long it takes, what it risks"),
     "benchmark": Entry("benchmark", "peers, gains, learning curve and throughput in one table"),
 }
 

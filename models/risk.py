@@ -31,8 +31,12 @@ class Risks(NamedTuple):
 
     def more(self, other: "Risks") -> "Risks":
         """Both together."""
-        return Risks(*(mine + theirs for mine, theirs in zip(self, other, strict=True)))
-
+        return Risks(
+            self.minutes + other.minutes,
+            self.stops_hit + other.stops_hit,
+            self.saturated_s + other.saturated_s,
+            self.touching_s + other.touching_s,
+        )
 
 
 class WatchedBody:

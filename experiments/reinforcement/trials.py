@@ -43,7 +43,7 @@ class Trials:
         """Tell (B, J) joint angles; returns (B, J) what was missed of the next sub-goals, degrees (mm)."""
         self.tick += 1
         self._feel(self.body.act(self.body.body.command_angles(told)))
-        return -self.short * self.scale
+        return np.asarray(-self.short * self.scale)
 
     def _feel(self, felt: FloatArray) -> None:
         """`angles` and `short` (B, J): posture felt, and what is short of the present sub-goal; `summed` over ticks."""

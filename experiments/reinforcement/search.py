@@ -1,18 +1,12 @@
-"""Who learns by reward: a search for gains, and deep reinforcement learning from direct replay or from nothing.
+"""A search for gains, by reward: what a servo's own engineer would tune, tuned by trial and error."""
 
-Each is a generator of policies: the first before any trial, the next after every trial of all copies. They are told
-which motor moves which joint, as direct replay is.
-"""
-
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from babbling.axes import FloatArray
-from experiments.reinforcement.trials import Policy, Trials, reward, tried
+from experiments.reinforcement.trials import Policy, Trials, tried
 
-Learner = Callable[[Trials, int], Iterator[Policy]]
 GAINS = np.array([1.0, 1.0, 0.5, 0.05])
 """Of a search, what counts as one: ticks of lead, of bend; share of what is short, of what was short in all."""
 OFFSET, SPREAD = 0.01, 0.3
@@ -20,7 +14,7 @@ OFFSET, SPREAD = 0.01, 0.3
 
 
 def guided(gains: FloatArray) -> Policy:
-    """The next sub-goal, and (B or 1, J, 5) gains of its pace, its bend, what is short now and in all; and an offset."""
+    """The next sub-goal, and (B or 1, J, 5) gains of its pace, its bend, what is short now, in all; and an offset."""
 
     def policy(trials: Trials) -> FloatArray:
         here, (after, later) = trials.goals[trials.tick], trials.ahead[:2]
