@@ -15,14 +15,14 @@ RESIDUAL = 0.05
 """rad beside the next sub-goal that an action of 1 asks for."""
 DISCOUNT, TRACE, TIMID = 0.8, 0.8, {True: -1.0, False: -2.0}
 """What is told a servo is felt within a few ticks; logarithm of the first actions' deviation, by `residual`."""
-HOW = {"batch_size": 400, "n_epochs": 10, "gamma": DISCOUNT, "gae_lambda": TRACE, "learning_rate": 1e-3}
+HOW = {"n_epochs": 10, "gamma": DISCOUNT, "gae_lambda": TRACE, "learning_rate": 1e-3}
 NET = (64, 64)
 
 
 def told(trials: Trials, actions: FloatArray, residual: bool) -> FloatArray:
-    """(B, J) joint angles for (B, J) actions in [-1, 1]: so far beside the next sub-goal, or, as motor lines, anywhere
-    that commands reach. (To be told how far from here, as Eq. (1)'s actions have it, was worse for who begins with
-    nothing: nothing then holds it up.)"""
+    """(B, J) joint angles for (B, J) actions in [-1, 1]: so far beside the next sub-goal; or the motor lines
+    themselves. (To be told how far from here, as Eq. (1)'s actions have it, was worse for who begins with nothing:
+    nothing then holds it up.)"""
     inner = trials.body.body
     return replaying(trials) + RESIDUAL * actions if residual else inner.commands(actions)
 
@@ -33,6 +33,8 @@ def vectorised(trials: Trials, residual: bool) -> Any:
     from stable_baselines3.common.vec_env import VecEnv
 
     class Vectorised(VecEnv):
+        render_mode = None
+
         def __init__(self) -> None:
             wide = Box(-np.inf, np.inf, trials.observation().shape[1:], np.float32)
             super().__init__(trials.body.copies, wide, Box(-1.0, 1.0, trials.goals.shape[1:], np.float32))
@@ -82,7 +84,16 @@ def proximal(trials: Trials, seed: int, *, residual: bool) -> Iterator[Policy]:
     torch.set_num_threads(1)
     scaled = VecNormalize(vectorised(trials, residual), gamma=DISCOUNT)
     nets = {"net_arch": list(NET), "log_std_init": TIMID[residual]}
-    learner = PPO("MlpPolicy", scaled, n_steps=trials.steps, seed=seed, device="cpu", policy_kwargs=nets, **HOW)
+    learner = PPO(
+        "MlpPolicy",
+        scaled,
+        n_steps=trials.steps,
+        batch_size=trials.steps,
+        seed=seed,
+        device="cpu",
+        policy_kwargs=nets,
+        **HOW,
+    )
     torch.nn.init.zeros_(learner.policy.action_net.weight)
 
     def policy(tried: Trials) -> Any:
