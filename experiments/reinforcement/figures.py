@@ -10,6 +10,7 @@ from experiments.shared.figures import MARKS, captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN
 
 LINES = {"direct replay": (PLAIN, "--"), "inverse line": (DARK, ":"), "first attempt": (OURS, "-")}
+"""Levels that are drawn."""
 
 
 @captioned(

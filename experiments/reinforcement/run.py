@@ -33,6 +33,8 @@ LEARNERS: Mapping[str, Callable[[Trials, int], Iterator[Policy]]] = {
     "residual": partial(proximal, residual=True),
     "nothing": partial(proximal, residual=False),
 }
+STAGES = {"attempt after the pilot": 0, "first attempt": -1}
+"""Of ours, which others are to be as good as; by `Life.points`."""
 SPACED = 1.08
 """A learner is looked at again once it has had so many times the body time; its being looked at costs it nothing."""
 
@@ -73,11 +75,13 @@ def run(config: Config) -> Result:
     replay = off(Trials(WatchedBody(body), seen.angles), replaying)
     bodies = [body_options(config, config.seed + n) for n in range(config.seeds)]
     lives = in_parallel(live, [(one, seen.angles, config.babbling_minutes) for one in bodies], config.workers, "living")
-    attempt = float(np.mean([life.points[-1].error for life in lives]))
-    tasks = [Task(who, one, seen.angles, config.minutes, attempt) for who in config.peers for one in bodies]
+    attempts = {name: float(np.mean([life.points[stage].error for life in lives])) for name, stage in STAGES.items()}
+    tasks = [
+        Task(who, one, seen.angles, config.minutes, attempts["first attempt"]) for who in config.peers for one in bodies
+    ]
     curves = in_parallel(practise, tasks, config.workers, "learning by reward")
     by_peer = {who: curves[n * len(bodies) : (n + 1) * len(bodies)] for n, who in enumerate(config.peers)}
-    levels = {"direct replay": replay, "first attempt": attempt}
+    levels = {"direct replay": replay} | attempts
     rows = compare(lives, by_peer, levels)
     metrics = {
         "demonstration": config.demonstration,
@@ -122,11 +126,13 @@ class Row(NamedTuple):
 def compare(
     lives: Sequence[Life], by_peer: Mapping[str, Sequence[Sequence[Point]]], levels: Mapping[str, float]
 ) -> list[Row]:
-    """How much of everything it takes to be as good as each level, theirs over ours."""
+    """How much of everything it takes to be as good as each level, theirs over ours; at a stage of ours, what that took."""
     rows = []
     for level, error in levels.items():
-        last = level == "first attempt"
-        mine = [Reached(one.points[-1].risks, True) if last else reached(one.points, error) for one in lives]
+        stage = STAGES.get(level)
+        mine = [
+            reached(one.points, error) if stage is None else Reached(one.points[stage].risks, True) for one in lives
+        ]
         for who, curves in by_peer.items():
             theirs = [reached(one, error) for one in curves]
             enough = [one.enough for one in theirs]
@@ -142,7 +148,7 @@ WHAT = {"minutes": "body-minutes", "stops_hit": "joint stops hit", "saturated_s"
 
 def summarise(metrics: Mapping[str, Any], rows: Sequence[Row]) -> str:
     """Levels, then what everyone took to reach them, and the ratios: markdown tables."""
-    levels, last = metrics["levels_deg"], [one[-1] for one in metrics["ours"]]
+    levels, spent = metrics["levels_deg"], [np.mean([p[n]["minutes"] for p in metrics["ours"]]) for n in (0, -1)]
     best = {who: [min(p["error_deg"] for p in one) for one in many] for who, many in metrics["peers"].items()}
     errors = [(f"the imitator: {name}", f"{error:.4f}") for name, error in levels.items()]
     errors[0] = ("direct replay", errors[0][1])
@@ -151,7 +157,8 @@ def summarise(metrics: Mapping[str, Any], rows: Sequence[Row]) -> str:
     ]
     parts = [
         f"**{metrics['demonstration']}** by {metrics['robot']}, {metrics['seeds']} seeds. The imitator's first attempt "
-        f"comes after {np.mean([one['minutes'] for one in last]):.1f} body-minutes, rehearsal counted",
+        f"comes after {spent[1]:.1f} body-minutes, babbling and rehearsal counted; one after its pilot alone, after "
+        f"{spent[0]:.1f}",
         table(errors, ("root mean square of all joints", "deg")),
     ]
     for level in dict.fromkeys(row.as_good_as for row in rows):

@@ -159,11 +159,11 @@ def test_every_question_is_asked_of_every_peer_and_ours_is_the_soonest_that_is_a
         running.Life(life((2, 0.6), (12, 0.2), (22, 0.1)), 0.5),
     ]
     slow = [life((0, 0.4), (30, 0.2), (60, 0.15))] * 2
-    rows = {
-        (row.as_good_as, row.what): row
-        for row in compare(lives, {"slow": slow}, {"direct replay": 0.4, "first attempt": 0.1})
-    }
-    assert len(rows) == 2 * len(Risks._fields)
+    levels = {"direct replay": 0.4, "attempt after the pilot": 0.25, "first attempt": 0.1}
+    rows = {(row.as_good_as, row.what): row for row in compare(lives, {"slow": slow}, levels)}
+    assert len(rows) == 3 * len(Risks._fields)
+    begun = rows["attempt after the pilot", "minutes"]
+    assert (begun.theirs, begun.ours, begun.enough) == ([30, 30], [2, 2], [True, True]) and begun.ratio.value == 15
     first, replay = rows["first attempt", "minutes"], rows["direct replay", "minutes"]
     assert (first.theirs, first.ours, first.enough) == ([60, 60], [22, 22], [False, False]) and first.ratio.at_least
     assert (replay.theirs, replay.ours, replay.enough) == ([0, 0], [2, 12], [True, True])
