@@ -126,7 +126,7 @@ class Row(NamedTuple):
 def compare(
     lives: Sequence[Life], by_peer: Mapping[str, Sequence[Sequence[Point]]], levels: Mapping[str, float]
 ) -> list[Row]:
-    """How much of everything it takes to be as good as each level, theirs over ours; at a stage of ours, what that took."""
+    """How much of everything it takes to be as good as each level, theirs over ours (at a stage of ours, all of it)."""
     rows = []
     for level, error in levels.items():
         stage = STAGES.get(level)
