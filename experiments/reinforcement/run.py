@@ -151,7 +151,7 @@ def summarise(metrics: Mapping[str, Any], rows: Sequence[Row]) -> str:
     levels, spent = metrics["levels_deg"], [np.mean([p[n]["minutes"] for p in metrics["ours"]]) for n in (0, -1)]
     best = {who: [min(p["error_deg"] for p in one) for one in many] for who, many in metrics["peers"].items()}
     errors = [(f"the imitator: {name}", f"{error:.4f}") for name, error in levels.items()]
-    errors[0] = ("direct replay", errors[0][1])
+    errors[0], errors[-1] = ("direct replay", errors[0][1]), ("its inverse line, the same loop", errors[-1][1])
     errors += [
         (f"{who}, the best of {metrics['minutes']:g} body-minutes", f"{np.mean(b):.4f}") for who, b in best.items()
     ]
@@ -175,6 +175,7 @@ def summarise(metrics: Mapping[str, Any], rows: Sequence[Row]) -> str:
         ]
         parts.append(table(cells, (f"until as good as {level}", "", "it", "the imitator", "ratio (95 % over seeds)")))
     parts.append(
-        "What was had and was not enough is marked ≥. The imitator's babbling and rehearsal serve any movement."
+        "What was had and was not enough is marked ≥. Search and residual begin as direct replay, and know which motor "
+        "moves which joint. What was learned by reward serves this movement, babbling and rehearsal serve any."
     )
     return "\n\n".join(parts)
