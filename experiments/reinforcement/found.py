@@ -38,7 +38,7 @@ class Ratio(NamedTuple):
     """Their mean over ours, with a 95 % interval over seeds."""
 
     value: float | None
-    """None where ours is nothing."""
+    """None where ours is nothing, or was not enough."""
     low: float | None
     high: float | None
     """None where there is no bound."""
@@ -47,10 +47,13 @@ class Ratio(NamedTuple):
 
     def __str__(self) -> str:
         if self.value is None or self.low is None:
-            return "none of ours"
+            return "none"
         if self.high is None:
             return f"≥ {self.value:.2g} (≥ {self.low:.2g})"
         return f"{self.value:.2g} ({self.low:.2g} to {self.high:.2g})"
+
+
+NONE = Ratio(None, None, None, False)
 
 
 def ratio(theirs: Sequence[float], ours: Sequence[float], enough: Sequence[bool]) -> Ratio:
@@ -59,7 +62,7 @@ def ratio(theirs: Sequence[float], ours: Sequence[float], enough: Sequence[bool]
     mine, others, rng = np.array(ours, float), np.array(theirs, float), np.random.default_rng(0)
     drawn = [one[rng.integers(0, len(one), (RESAMPLES, len(one)))].mean(1) for one in (others, mine)]
     if not (drawn[1] > 0).all():
-        return Ratio(None, None, None, not all(enough))
+        return NONE
     low, high = np.quantile(drawn[0] / drawn[1], (0.025, 0.975))
     whole = all(enough)
     return Ratio(float(others.mean() / mine.mean()), float(low), float(high) if whole else None, not whole)

@@ -15,7 +15,7 @@ import numpy as np
 from babbling.axes import FloatArray
 from experiments.reinforcement import figures
 from experiments.reinforcement.deep import proximal
-from experiments.reinforcement.found import Point, Ratio, Reached, ratio, reached
+from experiments.reinforcement.found import NONE, Point, Ratio, Reached, ratio, reached
 from experiments.reinforcement.options import Config, must_be_there
 from experiments.reinforcement.ours import Life, live
 from experiments.reinforcement.search import search
@@ -138,7 +138,8 @@ def compare(
             enough = [one.enough for one in theirs]
             for what in Risks._fields:
                 took, our = ([float(getattr(one.risks, what)) for one in many] for many in (theirs, mine))
-                rows.append(Row(who, level, what, took, enough, our, ratio(took, our, enough)))
+                found = ratio(took, our, enough) if all(one.enough for one in mine) else NONE
+                rows.append(Row(who, level, what, took, enough, our, found))
     return rows
 
 

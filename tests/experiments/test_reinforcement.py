@@ -168,6 +168,7 @@ def test_every_question_is_asked_of_every_peer_and_ours_is_the_soonest_that_is_a
     assert (first.theirs, first.ours, first.enough) == ([60, 60], [22, 22], [False, False]) and first.ratio.at_least
     assert (replay.theirs, replay.ours, replay.enough) == ([0, 0], [2, 12], [True, True])
     assert rows["first attempt", "touching_s"].ours == [8, 8]
+    assert str(compare(lives, {"slow": slow}, {"direct replay": 0.05})[0].ratio) == "none", "nor are we as good"
 
 
 def test_a_peer_whose_package_is_missing_is_refused_in_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
