@@ -49,8 +49,8 @@ class Ratio(NamedTuple):
         if self.value is None or self.low is None:
             return "none"
         if self.high is None:
-            return f"≥ {self.value:.2g} (≥ {self.low:.2g})"
-        return f"{self.value:.2g} ({self.low:.2g} to {self.high:.2g})"
+            return f"≥ {self.value:.3g} (≥ {self.low:.3g})"
+        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
 
 
 NONE = Ratio(None, None, None, False)
