@@ -19,7 +19,7 @@ LINES = {"direct replay": (PLAIN, "--"), "inverse line": (DARK, ":"), "first att
 )
 def body_time(metrics: Mapping[str, Any]) -> Figure:
     """Error against body time, both logarithmic; levels are lines."""
-    figure = Figure(figsize=(8, 4.8), layout="constrained")
+    figure = Figure(figsize=(9.5, 4.8), layout="constrained")
     axes = figure.subplots()
     for (who, curves), ink in zip(metrics["peers"].items(), CYCLE[1:], strict=False):
         spent = [np.maximum([p["minutes"] for p in one], 0.5) for one in curves]
@@ -39,5 +39,5 @@ def body_time(metrics: Mapping[str, Any]) -> Figure:
         xscale="log", yscale="log", xlabel="body-minutes, all copies", ylabel="root mean square of all joints [deg]"
     )
     axes.grid(alpha=0.25, which="both")
-    axes.legend(frameon=False, fontsize=8, ncols=2)
+    figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure
