@@ -112,6 +112,10 @@ EXPERIMENTS: dict[str, Entry] = {
             "runs/gesture runs/filmed", "a few seconds", TOOLS,
         ),
         Entry(
+            "reinforcement", "learning by reward beside imitation: how long it takes, what it risks",
+            "--peers search", "about 10 minutes on two cores", TOOLS,
+        ),
+        Entry(
             "benchmark", "peers, gains, learning curve and throughput in one table",
             "--bodies ideal --clips icub-wave --seeds 1", "minutes", TOOLS,
         ),

@@ -235,6 +235,11 @@ class SimulatedBody:
         """(B, M) true angles of the joints, in the model's order; for those who judge, not for the mind."""
         return self._read(self.batch.qpos, self._qpos, self.model.jnt_qposadr)
 
+    @property
+    def joint_speeds(self) -> FloatArray:
+        """(B, M) their true speeds, likewise."""
+        return self._read(self.batch.qvel, self._dof, self.model.jnt_dofadr)
+
     def _read(self, of: FloatArray, firsts: IntArray, places: IntArray) -> FloatArray:
         found: FloatArray = of[:, firsts]
         for m, joints, shares in self._tendons:
@@ -259,8 +264,7 @@ class SimulatedBody:
         return self.senses.vector(self._true())
 
     def _true(self) -> dict[str, FloatArray]:
-        speeds = self._read(self.batch.qvel, self._dof, self.model.jnt_dofadr)
-        true = {"angle": self.joint_angles, "speed": speeds}
+        true = {"angle": self.joint_angles, "speed": self.joint_speeds}
         return true | {channel.name: self.batch.sensordata[:, columns] for channel, columns in self._sensors}
 
     def _feel(self) -> FloatArray:
