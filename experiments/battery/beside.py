@@ -7,7 +7,7 @@ import pandas as pd
 
 from experiments.battery.effects import FEW, OTHER, SAME, Verdict, beside, sign
 from experiments.battery.infants import RATES, SIGNS, Cell, Rate, Sign
-from experiments.battery.intervals import Estimate, of_mean
+from experiments.battery.intervals import FEWEST, Estimate, apart, of_mean
 from experiments.battery.table import IMITATOR, WHOLE
 from experiments.gaze.covered import MARGIN
 
@@ -48,7 +48,11 @@ def _sign(frame: pd.DataFrame, one: Sign, rng: np.random.Generator) -> Row:
     pair = pd.concat([of(frame, one.more), of(frame, one.less)], axis=1, join="inner").to_numpy(float)
     if len(pair) < 2:
         return Row(one, None, len(pair), Verdict("not shown"))
-    found = of_mean(pair[:, 0] - pair[:, 1], rng, (-1.0, 1.0), f"{one.more} less {one.less}")
+    more, less = pair.T
+    if len(pair) < FEWEST or np.ptp(more - less) == 0:  # too few, or too alike, to draw again from
+        found = apart(*(of_mean(one, rng, (0.0, 1.0)) for one in (more, less)))
+    else:
+        found = of_mean(more - less, rng, (-1.0, 1.0))
     return Row(one, found, len(pair), sign(found) if one.relation == ">" else Verdict(_alike(found)))
 
 

@@ -3,13 +3,12 @@
 What stands here and in every `experiments/NAME/options.py` is light to load: help and refusals are quick.
 """
 
-import ast
 import re
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from importlib.util import find_spec
-from inspect import get_annotations, getsource
-from itertools import islice, pairwise
+from inspect import get_annotations
+from itertools import islice
 from math import inf
 from pathlib import Path
 from types import MappingProxyType
@@ -19,6 +18,7 @@ import tyro
 
 from babbling.errors import unknown
 from experiments.errors import ExperimentError
+from experiments.shared.explained import explained
 from imitation.inference.selection import SELECTION, selection_rule
 from models.files import checked
 from models.robots import ROBOTS, head_of
@@ -146,20 +146,6 @@ Selection = Annotated[str, known(selection_rule), written(choices(SELECTION))]
 Category = Annotated[str, known(selection_rule), written(choices(name for name in SELECTION if name != "mean"))]
 """A selection rule for actions that are categories and have no mean."""
 ToRead = Annotated[Path, file]
-
-
-def explained(kind: type) -> dict[str, str]:
-    """Field -> the docstring under it as one line, lest help breaks where the source does; {} without a source."""
-    try:
-        [whole] = ast.parse(getsource(kind)).body
-    except OSError:
-        return {}
-    assert isinstance(whole, ast.ClassDef)
-    lines = dict[str, str]()
-    for field, line in pairwise(whole.body):
-        if isinstance(field, ast.AnnAssign) and isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant):
-            lines[ast.unparse(field.target)] = " ".join(str(line.value.value).split())
-    return lines
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

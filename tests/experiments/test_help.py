@@ -33,7 +33,7 @@ def boxed(text: str) -> dict[str, list[str]]:
     """Option -> the lines of its box, its own first."""
     found = dict[str, list[str]]()
     for line in re.findall(r"^[ │] (.*?) *│?$", text, re.MULTILINE):  # sides are blanks where letters are ASCII alone
-        if re.match(r"--[a-z]|\[?\{hoap2|DIR DIR", line):
+        if re.match(r"--[a-z]|\[?\{hoap2|DIR DIR|TABLE", line):
             head, _, rest = re.sub(r" {2,}", "\n", line, count=1).partition("\n")
             found[(last := head.split(" ")[0])] = [head, rest]
         elif found and not line.startswith("-h"):

@@ -17,7 +17,7 @@ from experiments.command_line import parse
 from experiments.registry import EXPERIMENTS
 from experiments.shared.figures import learning_curve, legend_above, rates
 from experiments.shared.options import Options
-from experiments.shared.report import command, drawn, page
+from experiments.shared.report import bare, command, drawn, page
 from tests.figures import faults
 
 PROVENANCE = {"project": "1", "commit": "abc", "versions": {"numpy": "2"}}
@@ -47,7 +47,9 @@ class Read(HTMLParser):
 
 def figure() -> Figure:
     drawn = Figure(figsize=(2, 1), layout="constrained")
-    drawn.subplots().plot([0, 1])
+    axes = drawn.subplots()
+    axes.plot([0, 1])
+    axes.set(xlabel="time [s]", ylabel="error [deg]")
     drawn.set_label("What <is> & what is shown.")
     return drawn
 
@@ -129,9 +131,10 @@ def test_a_figure_is_made_once_its_caption_and_legend_beside_what_it_shows() -> 
     one = rates({"panel": {"rule": {"at": ["a", "b"], "share": [0.2, 0.9]}}}, ("how", "share"), ("chance", 0.5))
     one.set_label("A caption.")
     assert drawn(one) is drawn(one)
-    assert [text.get_text() for text in one.texts if text.get_text()] == ["A caption."]
     made = np.asarray(Image.open(io.BytesIO(drawn(one))).convert("L"))
-    assert made.shape[0] > 5.0 * 130  # higher than the figure without its caption
+    without = np.asarray(Image.open(io.BytesIO(base64.b64decode(bare(one)))).convert("L"))
+    assert made.shape[0] > without.shape[0] + 10  # the caption stands under it, and not in the page's picture
+    assert (made[: without.shape[0] - 20, : without.shape[1]] == without[:-20, : made.shape[1]]).mean() > 0.99
     assert not faults(one)
 
 
