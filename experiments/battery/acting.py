@@ -20,11 +20,11 @@ from imitation.acting.primitives import NAMES
 from imitation.inference.bayes import action_posterior
 from models.objects.states import LIT_BY_HEAD
 
-VIEWS = {"live": 0, "a week before": 7, "another room": 1, "television": 1, "nothing": 0, "handled": 0}
+VIEWS = {"live": 0, "a week before": 7, "another room": 0, "television": 0, "nothing": 0, "handled": 0}
 """How a head touch was seen, and how many days before."""
 MOVERS: tuple[str, ...] = ("person", "poles and pincers")
 """Bodies that show intentions."""
-TOUCH = "press with the head"
+LIT = "lit by head"
 
 
 def acting(who: Grown, lives: Sequence[Life], adult: Adult) -> Iterator[Trial]:
@@ -67,7 +67,7 @@ def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
         first = NAMES[done.primitives[number, 0]]
         lit = float(done.ever(LIT_BY_HEAD)[number])
         yield Trial(
-            life.agent, life.seed, without, IMITATOR, 3, "head touch", view, 0, first, TOUCH, lit,
+            life.agent, life.seed, without, IMITATOR, 3, "head touch", view, 0, first, LIT, lit,
             options=joined(NAMES), likelihood=joined(likely[number]), prior=joined(priors[number]),
         )  # fmt: skip
 

@@ -58,6 +58,6 @@ def _sign(frame: pd.DataFrame, one: Sign, rng: np.random.Generator) -> Row:
 
 def _alike(difference: Estimate) -> str:
     """Where no difference was published: whether agents' is within what such studies could not have told from none."""
-    if -MARGIN < difference.low and difference.high < MARGIN:
-        return SAME
-    return OTHER if not difference.low <= 0 <= difference.high else FEW
+    if not difference.low <= 0 <= difference.high:
+        return OTHER
+    return SAME if -MARGIN < difference.low and difference.high < MARGIN else FEW

@@ -19,7 +19,8 @@ STAGES: Mapping[str, tuple[str, str, str]] = {
     "movements": (
         "Stage 2: movements reproduced",
         "Two movements of other robots, understood by the image from the mirror and done by Eq. (1) on what babbling "
-        "taught. Without a mirror: after a glimpse into it. Without babbling: after its first seconds. Without one's "
+        "taught. Without a mirror: after a glimpse into it. Without babbling: after its first seconds, nothing "
+        "rehearsed. Without one's "
         "own body: in a body that is wired otherwise.",
         "imitate gesture --robot hoap2-seated",
     ),
@@ -31,7 +32,8 @@ STAGES: Mapping[str, tuple[str, str, str]] = {
     ),
     "face": (
         "Stage 2: faces",
-        "Newborns who babbled in the dark and never saw their own face see an adult's act once, and try three times.",
+        "Newborns who babbled in the dark and never saw their own face see an adult's act once, and try three times. "
+        "That they try at all is assumed here; `imitate face --study` has others, of whose acts few are imitations.",
         "imitate face",
     ),
     "touch": (

@@ -126,12 +126,11 @@ class Verdict(NamedTuple):
     """INSIDE, OUTSIDE or NOT_COMPARABLE; SAME, OTHER or FEW."""
     published: Estimate | None = None
     """Their rate and its interval."""
-    overlap: bool = False
-    """Whether both intervals have a rate in common."""
 
 
 def beside(simulated: Estimate, rate: float | None, n: int | None) -> Verdict:
-    """Whether a simulated rate lies in the exact 95 % interval of a published one of n infants.
+    """Whether a simulated rate lies in the exact 95 % interval of a published one of n infants; outside where both
+    intervals have no rate in common, too few to tell where they have.
 
     Args:
         simulated: rate of hits of a population.
@@ -146,8 +145,10 @@ def beside(simulated: Estimate, rate: float | None, n: int | None) -> Verdict:
     if not 0 <= rate <= 1 or n < 1:
         raise ExperimentError(f"published rate {rate:g} of {n} infants: it must lie in [0, 1], of at least 1 infant")
     published = Estimate(rate, *clopper_pearson(round(rate * n), n), "exact")
+    if published.low <= simulated.value <= published.high:
+        return Verdict(INSIDE, published)
     overlap = simulated.low <= published.high and published.low <= simulated.high
-    return Verdict(INSIDE if published.low <= simulated.value <= published.high else OUTSIDE, published, overlap)
+    return Verdict(FEW if overlap else OUTSIDE, published)
 
 
 def sign(difference: Estimate, *, positive: bool = True) -> Verdict:

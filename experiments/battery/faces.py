@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from babbling.axes import IntArray
 from experiments.battery.life import Life
 from experiments.battery.table import IMITATOR, WHOLE, Trial
@@ -14,15 +16,19 @@ from models.face import FACES
 
 EACH, VIEWED = 2, 2
 """Acts of every kind from each of so many views, which all infants draw their looks from."""
-TRIES = 3
+TRIES, WARD = 3, 20
 
 
 @dataclass(frozen=True, eq=False)
 class Ward:
-    """Newborns whose bodies are stepped side by side, and what there is to be seen."""
+    """WARD newborns whose bodies are stepped side by side, whoever of them is asked for, and what is to be seen."""
 
+    first: int
+    """Seed of the first; each has the next."""
+    acts: int
+    """That each babbles."""
     lives: tuple[tuple[Life, ...], ...]
-    """Of every newborn; those that differ in nothing that its face depends on."""
+    """Of every newborn that is asked for; those that differ in nothing that its face depends on."""
     bank: tuple[Look, ...]
 
     @property
@@ -45,16 +51,14 @@ def bank(looking: Looking) -> list[Look]:
 
 def faces(ward: Ward) -> list[Trial]:
     """Every infant is shown every gesture, strong and weak, once."""
-    newborn = [some[0] for some in ward.lives]
-    first = newborn[0]
-    group = Group(FACES["newborn"], 3000 + first.seed, len(newborn), first.how.face_acts, first.seed)
-    infants = raised(group)
+    infants = raised(group := Group(FACES["newborn"], 3000, WARD, ward.acts, ward.first))
     kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
     of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]
-    mine = [[some[int(life.rng(5, kind).integers(len(some)))] for kind, some in enumerate(of)] for life in newborn]
+    rngs = [np.random.default_rng([ward.first + n, 0xBA77, 5]) for n in range(WARD)]
+    mine = [[some[int(rng.integers(len(some)))] for some in of] for rng in rngs]
     answers, _ = answered(group, infants, mine, TRIES)
-    told = zip(ward.lives, infants, mine, answers.labels, strict=True)
-    return [row for alike, *what in told for life in alike for row in _rows(life, *what)]
+    places = [(alike[0].seed - ward.first, alike) for alike in ward.lives]
+    return [row for n, alike in places for life in alike for row in _rows(life, infants[n], mine[n], answers.labels[n])]
 
 
 def _rows(life: Life, infant: Infant, seen: Sequence[Look], labels: IntArray) -> Iterator[Trial]:

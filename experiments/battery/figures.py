@@ -10,18 +10,20 @@ from matplotlib.figure import Figure
 from experiments.battery.beside import Row, of
 from experiments.battery.chapters import STAGES, stage_of
 from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, SAME, populations
-from experiments.battery.found import Battery
+from experiments.battery.found import Battery, enough, only
 from experiments.battery.infants import Cell, Rate, Sign
 from experiments.battery.power import Power, power, power_figure
 from experiments.battery.table import IMITATOR, WHOLE
-from experiments.battery.table import varied as factors_of
 from experiments.shared.figures import MARKS, captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
 
 STUDIES = {
     "head touch, a week before and never seen": (Cell("head touch", "a week before"), Cell("head touch", "nothing")),
     "failed attempt and baseline": (Cell("intention", "failed"), Cell("intention", "baseline")),
-    "headband and blindfold, 18 months": (Cell("gaze, headband", "18 months"), Cell("gaze, blindfold", "18 months")),
+    "headband and blindfold, 18 months, 20 trials each": (
+        Cell("gaze, headband", "18 months"),
+        Cell("gaze, blindfold", "18 months"),
+    ),
 }
 """Whose power is looked at."""
 GOOD = (INSIDE, SAME)
@@ -30,15 +32,19 @@ OPEN = (FEW, NOT_COMPARABLE, "not shown")
 
 def figures(done: Battery) -> dict[str, Figure]:
     """By name, in the order of the report."""
-    found = {"infants": beside_infants(done.rows), "signs": beside_signs(done.rows)}
+    found = dict[str, Figure]()
+    shown = [row for row in done.rows if row.simulated is not None]
+    for name, kind, draw in (("infants", Rate, beside_infants), ("signs", Sign, beside_signs)):
+        if some := [row for row in shown if isinstance(row.published, kind)]:
+            found[name] = draw(some)
     for name, (title, *_) in STAGES.items():
-        part = done.whole[done.whole["task"].map(stage_of) == name]
+        part = enough(done.whole[done.whole["task"].map(stage_of) == name])
         if len(part):
             found[name] = ablations(part, title, rng=np.random.default_rng(0))
     if compared := powers(done, rng=np.random.default_rng(0)):
         found["power"] = power_figure(compared)
     for factor in done.factors:
-        found[f"vary_{factor}"] = varied(done.frame, factor, rng=np.random.default_rng(0))
+        found[f"vary_{factor}"] = varied(enough(only(done.frame, factor), factor), factor, rng=np.random.default_rng(0))
     return found
 
 
@@ -51,7 +57,8 @@ def powers(done: Battery, *, rng: np.random.Generator) -> list[Power]:
 
 @captioned(
     "Share of agents (orange, 95 % interval over separately babbled agents) and of infants (blue, exact 95 % interval; "
-    "hollow where no n over infants was published). Agents draw in proportion to their posteriors; nothing was fitted."
+    "hollow where no n over infants was published). Agents watched the same two adults and draw in proportion to their "
+    "posteriors; nothing was fitted."
 )
 def beside_infants(rows: Sequence[Row]) -> Figure:
     """Rates, a line each."""
@@ -134,14 +141,12 @@ def _everybody(table: pd.DataFrame) -> dict[str, tuple[str, str]]:
 
 
 @captioned(
-    "The same agents, seeds alike, with one parameter varied: means and 95 % intervals over agents, averaged over all "
-    "else that was varied. A level line means that the result does not depend on this number."
+    "The same agents, seeds alike, with one parameter varied: means and 95 % intervals over agents, all else that "
+    "was varied at its first value. A level line means that the result does not depend on this number."
 )
 def varied(frame: pd.DataFrame, factor: str, *, rng: np.random.Generator) -> Figure:
     """Panels for tasks, lines for conditions."""
-    whole = frame[(frame["who"] == IMITATOR) & (frame["without"] == WHOLE)]
-    others = [name for name in factors_of(frame) if name != factor]
-    table = populations(whole.drop(columns=others), rng=rng)
+    table = populations(frame, rng=rng)
     tasks = list(dict.fromkeys(table["task"]))
     figure = Figure(figsize=(4.4 * min(len(tasks), 3), 4.0 * -(-len(tasks) // 3)), layout="constrained")
     panels = figure.subplots(-(-len(tasks) // 3), min(len(tasks), 3), squeeze=False).ravel()

@@ -8,8 +8,10 @@ import numpy as np
 import pandas as pd
 
 from experiments.battery.beside import Row, rows
+from experiments.battery.effects import differences
 from experiments.battery.infants import Rate
 from experiments.battery.options import Config
+from experiments.battery.table import IMITATOR, WHOLE, varied
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +30,26 @@ class Battery:
 
     @cached_property
     def whole(self) -> pd.DataFrame:
-        """Without the columns of factors: all cells together."""
-        return self.frame.drop(columns=list(self.factors))
+        """The first cell of the design, without the columns of factors: agents of other cells are the same children."""
+        first = self.frame
+        for name in self.factors:
+            first = first[first[name] == self.frame[name].iloc[0]]
+        return first.drop(columns=list(self.factors))
+
+    @cached_property
+    def effects(self) -> pd.DataFrame:
+        """Differences between whole agents and those without a stage, peers, and values of what was varied."""
+        own = self.whole[self.whole["who"] == IMITATOR]
+        parts = [(own, "without"), (self.whole[self.whole["without"] == WHOLE], "who")]
+        parts += [(only(self.frame, name), name) for name in self.factors]
+        rng = np.random.default_rng([self.config.seed, 0xEFF])
+        found = [differences(enough(part, name), name, rng=rng) for part, name in parts if len(enough(part, name))]
+        return pd.concat(found, ignore_index=True) if found else pd.DataFrame()
 
     @cached_property
     def rows(self) -> list[Row]:
         """Beside infants."""
-        return rows(self.frame, np.random.default_rng([self.config.seed, 0xBE51]))
+        return rows(self.whole, np.random.default_rng([self.config.seed, 0xBE51]))
 
     @cached_property
     def metrics(self) -> dict[str, Any]:
@@ -43,11 +58,25 @@ class Battery:
             "agents": int(self.frame["agent"].nunique()),
             "trials": len(self.frame),
             "rows": [told(row) for row in self.rows],
-            "workers": self.config.workers,
+            "effects": self.effects.astype(object).where(self.effects.notna(), None).to_dict("records"),
             "shards": self.shards,
             "failed": list(self.failed),
             "took_s": self.took_s,
         }
+
+
+def only(frame: pd.DataFrame, factor: str) -> pd.DataFrame:
+    """Whole imitators, all other factors at their first values."""
+    own = frame[(frame["who"] == IMITATOR) & (frame["without"] == WHOLE)]
+    for name in (name for name in varied(frame) if name != factor):
+        own = own[own[name] == frame[name].iloc[0]].drop(columns=name)
+    return own
+
+
+def enough(frame: pd.DataFrame, between: str | None = None) -> pd.DataFrame:
+    """Cells of two agents or more: of one alone nothing is said."""
+    keys = [name for name in ("task", "condition", "who", "without", between) if name and name in frame]
+    return frame[frame.groupby(keys, dropna=False)["agent"].transform("nunique") > 1]
 
 
 def told(row: Row) -> dict[str, Any]:

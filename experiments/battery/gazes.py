@@ -16,8 +16,8 @@ from experiments.shared.caregiver import TURN_S
 from experiments.shared.eyes import learn_to_look, nursery
 from imitation.gaze.reader import EyeLore, Preferences
 
-HEADS = 100
-"""Looks at a caregiver who repeats one's posture."""
+HEADS, LESSONS = 8, 100
+"""Copies that babble saccades at once. Looks at a caregiver who repeats one's posture."""
 COUNT = COPIES
 """Trials of each cloth."""
 CLOTHS = {"open": None, "blindfold": "blindfold", "headband": "headband"}
@@ -34,13 +34,13 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
     """Every age and training meets every cloth; of lives that began as the first."""
     life = lives[0]
     config = Config(robot="hoap2", seed=life.seed, aim_deg=life.how.aim_deg)
-    eyes = learn_to_look(nursery(config, life.seed), life.how.looking_minutes, life.seed)
-    naive = lesson_for_gaze(config, eyes, HEADS, life.seed, lambda share: None)
-    body, rng = table_body(config, COPIES, life.seed + 11, TURN_S), life.rng(4)
+    eyes = learn_to_look(nursery(config, life.seed, HEADS), life.how.looking_minutes, life.seed)
+    naive = lesson_for_gaze(config, eyes, LESSONS, life.seed, lambda share: None)
+    body, rng = table_body(config, COPIES, 100 * life.seed + 11, TURN_S), life.rng(4)
     who = shown(naive, run_trials(body, naive, life.how.gaze_lessons, rng))
     met = {cloth: run_trials(body, who, COUNT, rng, cloth=kind) for cloth, kind in CLOTHS.items()}
     views = [pair[0] for pair in body.images]
-    for name, (age, training) in LIVES.items():
+    for place, (name, (age, training)) in enumerate(LIVES.items()):
         lore = EyeLore()
         own_experience(lore, None, views, config.noise, rng)
         for cover in (*AGES[age], *((TRAINING[training],) if TRAINING[training] else ())):
@@ -49,7 +49,7 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
             sees = np.where(trials.eyes_seen, lore.sees(False)[0], lore.sees(True)[0])
             belief, prior = infer(who, trials, TOYS, sees=sees), _prior(trials, located(trials, who.gaze.geometry))
             for one in lives:
-                what = one.rng(4, number, len(name)), f"gaze, {cloth}", name
+                what = one.rng(4, number, place), f"gaze, {cloth}", name
                 yield from _followed(one, *what, belief, prior, trials.target.tolist())
 
 
@@ -67,11 +67,12 @@ def _followed(
         if not len(seen):
             continue
         there, now, before = [TOYS[k] for k in seen], belief[seen], prior[seen]
-        looked = there[int(rng.choice(len(there), p=sharpened(now, life.how.exponent)))]
+        fits = now / before
+        looked = there[int(rng.choice(len(there), p=sharpened(fits * before**life.how.trust, life.how.exponent)))]
+        told = [joined(one) if len(there) > 1 else "" for one in (there, fits / fits.sum(), before)]
         yield Trial(
             life.agent, life.seed, WHOLE, IMITATOR, 2, task, name, number, looked, TOYS[target],
-            float(looked == TOYS[target]), options=joined(there),
-            likelihood=joined(now / before / (now / before).sum()), prior=joined(before),
+            float(looked == TOYS[target]), np.nan, "", *told,
         )  # fmt: skip
 
 

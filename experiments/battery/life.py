@@ -5,7 +5,8 @@ What a later stage needs of an earlier one it takes from there: a stage left out
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,14 +24,15 @@ from experiments.shared.children import Child
 from experiments.shared.minds import body_of, learn_mind
 from experiments.shared.mirrors import image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
-from experiments.shared.playing import CANDIDATES, SEATED
+from experiments.shared.playing import CANDIDATES, SEATED, Tried
 from experiments.shared.rounds import empty, look_at_hands, play_on
+from models.objects.states import Watched
 
 GLIMPSE_MINUTES = 0.3
 """Before a mirror, of those who are said to have had none."""
 ADULT_ROUNDS = 4
 """Of an adult's play."""
-EACH, MEANS, CARELESS = 1, 8, 12
+EACH, MEANS, CARELESS = 1, 6, 12
 """Tries of every primitive with a thing, more of those that bring its target about, and, of adults, careless ones."""
 
 
@@ -107,16 +109,16 @@ def unplayed(whole: Grown) -> Grown:
     """The ablation: it never played."""
     nothing: Play = whole.child.play.nothing()
     child = replace(whole.child, play=nothing)
-    return replace(whole, child=child, own=pool(child, whole.life.seed, whole.life.things))
+    return replace(whole, child=child, own=pool(child, whole.life.seed, whole.life.things, means=0))
 
 
-def pool(child: Child, number: int, things: Sequence[str], careless: int = 0) -> dict[str, Trials]:
+def pool(child: Child, number: int, things: Sequence[str], careless: int = 0, means: int = MEANS) -> dict[str, Trials]:
     """By thing, tries of this child in physics from which nobody learns: what becomes of what it does."""
     found = {}
     for thing in things:
         toy, _, hands = thing.partition(":")
         first = 1_000_000 + 10_000 * number + 1000 * OBJECTS.index(thing)
-        how = {"each": EACH, "means": MEANS, "careless": careless}
+        how = {"each": EACH, "means": means, "careless": careless}
         found[thing] = trials(child, toy, SHOWS[toy].act, SHOWS[toy].target, first, busy=bool(hands), **how)
     return found
 
@@ -138,6 +140,16 @@ def adult(life: Life) -> Adult:
     shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),
              ("room", "press with the head", "lit by head", ROOM_TABLE_M))  # fmt: skip
     touches = {
-        name: demonstrated(child, "panel", act, state, 8, life.seed, table=table) for name, act, state, table in shown
+        name: _light(demonstrated(child, "panel", act, state, 8, life.seed, table=table))
+        for name, act, state, table in shown
     }
     return Adult(tries, touches)
+
+
+def _light(act: Act) -> Act:
+    """Without the physics: what is seen of it is kept."""
+    none = np.zeros(0)
+    blank = Watched(none, none, none > 0)
+    kept = ("tick_s", "which", "aims", "seen", "true")
+    bare: dict[str, Any] = {one.name: none for one in fields(Tried) if one.name not in kept}
+    return replace(act, tried=replace(act.tried, seen=blank, true=blank, **bare))

@@ -19,14 +19,16 @@ from experiments.shared.oracle import at_ticks
 from experiments.shared.peers import inverse_line
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
+from imitation.acting.rehearsal import REHEARSERS, best_eagerness
 from imitation.correspondence.organ import identify
 from models.body import SimulatedBody
-from models.mirror import Mirror
+from models.mirror import Mirror, blurred
 
 SHOWN = ("icub-wave", "romeo-bow")
 """Movements of robots of other proportions."""
 ACTS = 12
 """Single acts, each of a random part of a random robot."""
+TASKS = ("movement, against its sub-goals", "movement, against the teacher")
 ASTRAY = 1
 """Seed of the wiring of another's body."""
 
@@ -38,6 +40,7 @@ def movements(who: Grown) -> Iterator[Trial]:
         rng = life.rng(1)
         for number in range(ACTS):
             part, shown = act(who.limbs.parts, life.seed + number, rng)
+            shown = blurred(shown, float(np.deg2rad(life.how.seeing_noise_deg)), rng)
             found = -1 if limbs is None else identify(limbs.organs, shown, body.tick_s).part
             said, right = ("nothing", *who.limbs.parts)[found + 1], who.limbs.parts[part]
             yield Trial(life.agent, life.seed, without, IMITATOR, 1, "whose part", "single act", number, said, right,
@@ -57,11 +60,13 @@ def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
         attempt = imitate(robot, rng=life.rng(3), witness=lambda: robot.joint_angles, **how)[0]  # type: ignore[arg-type]
         return np.asarray(attempt.truth[:, 0])
 
+    line = inverse_line(mind.forward_model)
+    eager = best_eagerness(body_of(life.body, REHEARSERS, stream=1), mind, line, life.seed)
     body.reset()
     rest = np.broadcast_to(body.joint_angles[0], seen.angles.shape)
     ways = [
         (WHOLE, IMITATOR, done(body), seen),
-        (WHOLE, "inverse line", done(body, inverse=inverse_line(mind.forward_model)), seen),
+        (WHOLE, "inverse line", done(body, inverse=line, eagerness=eager), seen),
         (WHOLE, "direct replay", direct_replay(body, seen.angles), seen),
         (WHOLE, "stays at rest", rest, seen),
         ("babbling", IMITATOR, done(body, mind=hardly_babbled(life)), seen),
@@ -74,9 +79,9 @@ def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
         ways.append(("mirror", IMITATOR, done(body, movement=poorly.movement), poorly))
     for without, peer, angles, goal in ways:
         missed = rmse_deg(angles, goal.angles), _pointed(body, angles, goal)
-        for task, error in zip(
-            ("movement, against its sub-goals", "movement, against the teacher"), missed, strict=True
-        ):
+        for task, error in zip(TASKS, missed, strict=True):
+            if without == "mirror" and task == TASKS[0]:  # its sub-goals are not those of the others
+                continue
             yield Trial(life.agent, life.seed, without, peer, 2, task, name, 0, "", "", np.nan, error, "deg")
 
 

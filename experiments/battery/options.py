@@ -2,11 +2,14 @@
 
 from typing import Annotated, Literal
 
+from experiments.battery.parameters import Parameters
+from experiments.battery.vary import parse
+from experiments.errors import ExperimentError
 from experiments.shared.options import Flag, ShardOptions, options, some, within, written
 
 Stage = Literal["movements", "gaze", "face", "objects"]
 STAGES: tuple[Stage, ...] = ("movements", "gaze", "face", "objects")
-QUICK_AGENTS, AGENTS = 20, 200
+QUICK_AGENTS, AGENTS, MOST_SEEDS = 20, 200, 4000
 
 
 @options
@@ -26,6 +29,15 @@ class Config(ShardOptions):
     seeing_noise_deg."""
     only: Annotated[int | None, within(0, 100_000_000), written("N", "all of them")] = None
     """One agent alone, by its number: its rows, no figures."""
+
+    def check(self) -> None:
+        """See `Options`."""
+        super().check()
+        parse(self.vary, Parameters)
+        if self.only is not None and self.out is None:
+            raise ExperimentError(f"--only {self.only}: name a folder of its own for it, with --out")
+        if self.seed > MOST_SEEDS:
+            raise ExperimentError(f"--seed {self.seed}: it must be at most {MOST_SEEDS}; each has a million agents")
 
     @property
     def population(self) -> int:

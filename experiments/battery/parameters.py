@@ -1,43 +1,46 @@
 """What of an agent's life and mind is a parameter: everything here can be varied."""
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from experiments.shared.options import within
 
 THINGS = ("dumbbell", "outsized", "panel", "box", "loop", "cup")
 """What agents play with."""
-FEW_THINGS = ("dumbbell", "outsized", "panel", "box", "cup")
+FEW_THINGS = ("dumbbell", "outsized", "panel", "box")
 
 
 @dataclass(frozen=True)
 class Parameters:
     """Of one agent; none was chosen by infants' rates."""
 
-    babbling_minutes: float = 12.333
+    babbling_minutes: Annotated[float, within(1, 1000)] = 12.333
     """Body-minutes of babbling on the seat, the pilot counted."""
-    mirror_minutes: float = 6.0
-    """Body-minutes before a mirror, and again of looking at one's own hands and head."""
-    looking_minutes: float = 5.0
+    mirror_minutes: Annotated[float, within(2, 600)] = 6.0
+    """Body-minutes before a mirror."""
+    looking_minutes: Annotated[float, within(1, 600)] = 5.0
     """Body-minutes of saccades."""
-    gaze_lessons: int = 40
+    gaze_lessons: Annotated[int, within(20, 1000)] = 40
     """Looks of a teacher's of which it is shown afterwards what was meant."""
-    face_acts: int = 600
+    face_acts: Annotated[int, within(60, 10_000)] = 600
     """Acts of the face in the dark."""
-    play_rounds: int = 2
+    play_rounds: Annotated[int, within(1, 1000)] = 2
     """Rounds of play, each twenty tries with every thing."""
-    acts: int = 3
+    acts: Annotated[int, within(1, 20)] = 3
     """Acts that there is time for."""
-    shown: int = 3
+    shown: Annotated[int, within(1, 20)] = 3
     """How often an intention is shown."""
-    exponent: float = 1.0
+    exponent: Annotated[float, within(0, 100)] = 1.0
     """Of matching: P(choice) proportional to posterior^exponent; 1 is probability matching, 0 chance."""
-    trust: float = 1.0
+    trust: Annotated[float, within(0, 100)] = 1.0
     """In habit, P(a | s) of Eq. (1), as its exponent."""
-    own_weight: float = 0.1
+    own_weight: Annotated[float, within(0, 1000, above=True)] = 0.1
     """How much one's own play weighs in what one wants, against one effect that was just seen."""
-    gives_up: float = 0.1
+    gives_up: Annotated[float, within(0, 1)] = 0.1
     """P(somebody stops | the goal is not reached)."""
-    goes_on: float = 0.02
+    goes_on: Annotated[float, within(0, 1)] = 0.02
     """P(somebody does it again at once | the goal is reached)."""
-    repeats: float = 0.8
+    repeats: Annotated[float, within(0, 1)] = 0.8
     """P(a thing does what it did before)."""
     all_somebody: bool = False
     """Whether whatever moves is taken for somebody: the prior for persons against devices."""
@@ -45,16 +48,16 @@ class Parameters:
     """Whether the other is taken to have one's own hands, not an adult's."""
     even_goals: bool = False
     """Whether all goals that ever came about are wanted alike."""
-    forgets: float = 0.0
+    forgets: Annotated[float, within(0, 1)] = 0.0
     """P(what was seen is forgotten within a day)."""
-    aim_deg: float = 3.0
+    aim_deg: Annotated[float, within(0, 20, above=True)] = 3.0
     """How exactly a teacher's head points at what it looks at."""
-    seeing_noise_deg: float = 0.0
+    seeing_noise_deg: Annotated[float, within(0, 30)] = 0.0
     """Noise of every direction that is seen in the mirror and of teachers."""
 
 
 LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
          "as_itself", "even_goals", "forgets")  # fmt: skip
 """What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
-QUICK = Parameters(babbling_minutes=4.0, looking_minutes=2.0, play_rounds=1, gaze_lessons=24, face_acts=400)
+QUICK = Parameters(babbling_minutes=3.0, looking_minutes=1.5, play_rounds=1, gaze_lessons=24, face_acts=300)
 """Shorter lives, for a first look."""

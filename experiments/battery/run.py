@@ -1,32 +1,31 @@
 """Every stage of the chapter, one growing mind each, populations beside infants (chapter, sections 3.4 and 4)."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
 from experiments.battery.chapters import beside_infants, words
-from experiments.battery.faces import Ward, bank, faces, looks
+from experiments.battery.faces import WARD, Ward, bank, faces, looks
 from experiments.battery.figures import figures
 from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
 from experiments.battery.parameters import FEW_THINGS, QUICK, THINGS, Parameters
 from experiments.battery.shards import Shard, lived
-from experiments.battery.table import files, tidy
+from experiments.battery.table import comma, files, tidy
 from experiments.battery.vary import designs, parse
 from experiments.errors import ExperimentError
 from experiments.face.watching import Look
 from experiments.shared.dealing import Failure
 from experiments.shared.experiment import Result
+from experiments.shared.explained import explained
 from experiments.shared.parallel import attempted, succeeded
 
-ADULTS = 2
-"""Whom agents watch, in turn."""
-ADULT_SEEDS = 900_000
-"""From here on adults are numbered."""
-WARD = 20
-"""Newborns whose faces are raised side by side."""
+ADULTS, ADULT_SEEDS = 2, 900_000
+"""Whom agents watch, in turn; their seeds, from that of the first agent on."""
+BETWEEN = 1_000_000
+"""Seeds of agents from one run's --seed to the next's."""
 
 
 def run(config: Config) -> Result:
@@ -36,57 +35,65 @@ def run(config: Config) -> Result:
         ExperimentError: nobody could be watched, or nobody lived.
     """
     config.check()
-    began = time.perf_counter()
-    base = QUICK if config.quick else Parameters()
+    began, base, first = time.perf_counter(), QUICK if config.quick else Parameters(), BETWEEN * config.seed
     varied = parse(config.vary, Parameters)
     cells = designs(varied, base, config.population)
     things = FEW_THINGS if config.quick else THINGS
-    lives = [Life(one.agent, 1000 * config.seed + one.block, one.parameters, things) for one in cells]
-    tasks = partial(_tasks, config, lives if config.only is None else [_only(lives, config.only)])
+    lives = [Life(one.agent, first + one.block, one.parameters, things) for one in cells]
+    if config.only is not None and config.only >= len(lives):
+        raise ExperimentError(f"--only {config.only}: there are {len(lives)} agents, counted from 0")
+    asked = lives if config.only is None else [lives[config.only]]
     many = partial(attempted, workers=config.workers, scheduler=config.scheduler)
-    grown_up = [Life(ADULT_SEEDS + n, ADULT_SEEDS + 1000 * config.seed + n, base, things) for n in range(ADULTS)]
-    adults = succeeded(many(adult, grown_up, doing="adults grow up")) if "objects" in config.stages else []
+    grown_up = [Life(ADULT_SEEDS + n, first + ADULT_SEEDS + n, base, things) for n in range(ADULTS)]
+    adults = many(adult, grown_up, doing="adults grow up") if "objects" in config.stages else []
     filmed = succeeded(many(bank, looks(config.seed), doing="a face is filmed")) if "face" in config.stages else []
-    wards, shards = tasks(tuple(look for some in filmed for look in some), adults)
+    whole = [one for one in adults if not isinstance(one, Failure)]
+    stages = [stage for stage in config.stages if stage != "objects" or len(whole) == len(adults)]
+    wards, shards = tasks(stages, asked, tuple(look for some in filmed for look in some), whole)
     done = [*many(faces, wards, doing="faces"), *many(lived, shards, doing="lives")]
-    failed = tuple(str(one) for one in done if isinstance(one, Failure))
+    failed = [str(one) for one in adults if isinstance(one, Failure)]
+    asked_for = [*(ward.lives[0][0] for ward in wards), *(shard.lives[0] for shard in shards)]
+    ended = zip(asked_for, done, strict=True)
+    failed += [f"{one}; alone: {alone(config, life)}" for life, one in ended if isinstance(one, Failure)]
     rows = [row for some in done if not isinstance(some, Failure) for row in some]
     if not rows:
         raise ExperimentError(f"nobody lived: {' | '.join(failed)}")
     frame = tidy(rows, {one.agent: one.factors for one in cells} if varied else None)
     took_s, count = time.perf_counter() - began, len(adults) + len(filmed) + len(wards) + len(shards)
-    battery = Battery(config, frame, tuple(varied), failed, count, took_s)
+    battery = Battery(config, frame, tuple(varied), tuple(failed), count, took_s)
     drawn = figures(battery) if config.only is None else {}
-    return Result(battery.metrics, summarise(battery), drawn, None, files(frame), words(battery), failed)
+    written = files(frame, explained(Parameters)) | {"effects.csv": lambda path: comma(battery.effects, path)}
+    return Result(battery.metrics, summarise(battery), drawn, None, written, words(battery), tuple(failed))
 
 
-def _only(lives: list[Life], agent: int) -> Life:
-    if agent >= len(lives):
-        raise ExperimentError(f"--only {agent}: there are {len(lives)} agents, counted from 0")
-    return lives[agent]
+def alone(config: Config, life: Life) -> str:
+    """The command that lives this one alone."""
+    vary = ["--vary", *config.vary] if config.vary else []
+    words = [*["--quick"] * config.quick, "--stages", *config.stages, *vary, "--agents", config.population,
+             "--seed", config.seed, "--only", life.agent, "--out", f"runs/agent-{life.agent}"]  # fmt: skip
+    return f"imitate battery {' '.join(map(str, words))}"
 
 
-def _tasks(
-    config: Config, lives: list[Life], seen: tuple[Look, ...], adults: list[Adult]
+def tasks(
+    stages: Sequence[str], lives: list[Life], seen: tuple[Look, ...], adults: list[Adult]
 ) -> tuple[list[Ward], list[Shard]]:
     """Wards of newborns' faces, and lives: whatever a number does not depend on, it has in common with others."""
     wards, shards = list[Ward](), list[Shard]()
-    if "face" in config.stages:
-        newborn = list(_alike(lives, lambda life: (life.how.face_acts, life.seed)).values())
-        for group in _alike(newborn, lambda some: (some[0].how.face_acts,)).values():
-            wards += [Ward(tuple(map(tuple, group[n : n + WARD])), seen) for n in range(0, len(group), WARD)]
-    if stages := tuple(stage for stage in config.stages if stage != "face"):
+    if "face" in stages:
+        newborn = _alike(lives, lambda life: (life.how.face_acts, life.seed)).values()
+        together = _alike(newborn, lambda some: (some[0].how.face_acts, some[0].seed // WARD))
+        for (acts, number), group in together.items():
+            wards.append(Ward(WARD * number, acts, tuple(map(tuple, group)), seen))
+    if later := tuple(stage for stage in stages if stage != "face"):
         for some in _alike(lives, lambda life: life.childhood).values():
             watched = adults[some[0].seed % len(adults)] if adults else None
-            asked = " ".join(["--quick"] * config.quick + ["--vary", *config.vary] * bool(config.vary))
-            alone = f"imitate battery {asked} --agents {config.population} --seed {config.seed} --only {some[0].agent}"
-            shards.append(Shard(tuple(some), watched, stages, " ".join(alone.split())))
+            shards.append(Shard(tuple(some), watched, later))
     return wards, shards
 
 
-def _alike(many: Sequence[Any], key: Callable[[Any], tuple[object, ...]]) -> dict[tuple[object, ...], list[Any]]:
+def _alike(many: Iterable[Any], key: Callable[[Any], tuple[Any, ...]]) -> dict[tuple[Any, ...], list[Any]]:
     """By what they share."""
-    found = dict[tuple[object, ...], list[Any]]()
+    found = dict[tuple[Any, ...], list[Any]]()
     for one in many:
         found.setdefault(key(one), []).append(one)
     return found

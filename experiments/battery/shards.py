@@ -19,9 +19,6 @@ class Shard:
     """For stages with objects."""
     stages: tuple[str, ...]
 
-    alone: str = ""
-    """The command that lives it alone."""
-
     @property
     def label(self) -> str:
         """In words."""

@@ -52,9 +52,9 @@ class Trial:
     response: str
     """What was done or chosen, in a word; one of `options` where there are some."""
     target: str
-    """Response that counts."""
+    """What counts: a response, or what comes of it."""
     hit: float
-    """1 where it counts, 0 where not; NaN where `value` measures it."""
+    """1 where it came about within the acts there is time for, 0 where not; NaN where `value` measures it."""
     value: float = math.nan
     """A measure, e.g. an error."""
     unit: str = ""
@@ -113,12 +113,16 @@ def files(frame: pd.DataFrame, factors: Mapping[str, str] | None = None) -> dict
         frame: a tidy table.
         factors: what the columns mean that are no field of `Trial`.
     """
-    comma = {"index": False, "encoding": "utf-8", "lineterminator": "\r\n", "na_rep": ""}
     return {
         "trials.parquet": lambda path: frame.to_parquet(path, index=False),
-        "trials.csv": lambda path: frame.to_csv(path, **comma),
-        "dictionary.csv": lambda path: dictionary(frame, factors).to_csv(path, **comma),
+        "trials.csv": lambda path: comma(frame, path),
+        "dictionary.csv": lambda path: comma(dictionary(frame, factors), path),
     }
+
+
+def comma(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table as UTF-8 by RFC 4180, NaN as empty."""
+    frame.to_csv(path, index=False, encoding="utf-8", lineterminator="\r\n", na_rep="")
 
 
 def write(frame: pd.DataFrame, folder: Path, factors: Mapping[str, str] | None = None) -> None:

@@ -1,6 +1,7 @@
 """A table of choices, fitted: temperature, trust and lapse of each individual, rival models, and how good that is."""
 
 import numpy as np
+import pandas as pd
 
 from experiments.battery.choices import choices
 from experiments.battery.fit import evidence, fit, population, prior
@@ -18,6 +19,13 @@ OWN = {"who": IMITATOR, "without": WHOLE}
 """Of a battery's table with peers and ablations, only these rows."""
 
 
+def _own(frame: pd.DataFrame) -> pd.DataFrame:
+    for name, value in OWN.items():
+        if name in frame and (frame[name] == value).any():
+            frame = frame[frame[name] == value]
+    return frame
+
+
 def run(config: Config) -> Result:
     """Read, fit, compare, check.
 
@@ -30,11 +38,7 @@ def run(config: Config) -> Result:
             "imitate fit TABLE: no table is named; one of a row a choice, .csv or .parquet, is fitted"
         )
     before = prior(config.spread, config.lapse)
-    frame = read(config.table)
-    for name, value in OWN.items():
-        if name in frame and (frame[name] == value).any():
-            frame = frame[frame[name] == value]
-    told = choices(frame, None if config.reference is None else read(config.reference), IMITATOR)
+    told = choices(_own(read(config.table)), None if config.reference is None else _own(read(config.reference)))
     checked, drawn = np.random.default_rng(config.seed).spawn(2)
     with progress("fitting") as report:
         found = fit(told, before)

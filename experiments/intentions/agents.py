@@ -49,6 +49,8 @@ class How:
     """Pseudo-counts of what becomes of a kind of thing whatever one does; None: as in play."""
     even_goals: bool = False
     """Whether all goals that ever came about are wanted alike."""
+    trust: float = 1.0
+    """In habit, P(a | s), as its exponent."""
     exponent: float = 1.0
     """Matching draws in proportion to posterior^exponent: 1 is probability matching, 0 chance."""
 
@@ -98,7 +100,9 @@ class Agent:
 
     def knowing(self, kind: int, hands: int = HANDS.index("free")) -> Knowing:
         """What it knows of a kind of thing with its hands free, or bound."""
-        return Knowing(self._model.predictive[0, kind, hands], self._model.habits[0, kind, hands], MEMBERS)
+        habit = self._model.habits[0, kind, hands]
+        habit = habit if self.how.trust == 1 else sharpened(habit, self.how.trust)
+        return Knowing(self._model.predictive[0, kind, hands], habit, MEMBERS)
 
     def wants(self, kind: int) -> FloatArray:
         """(G,) P(g) of its own play."""

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import experiments.battery.faces as faces_module
 import experiments.battery.life as life
 import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
@@ -104,14 +105,19 @@ def test_who_never_played_knows_nothing_of_things(grown: Grown) -> None:
     assert play.outcomes.counts.sum() == 0 and (play.practised(0) < 0).all()
 
 
-def test_every_infant_is_shown_every_gesture_once() -> None:
-    some = replace(QUICK, face_acts=90)
-    seen = bank(looks(0)[0])
-    ward = Ward(tuple((Life(n, n, some, THINGS),) for n in range(2)), tuple(seen))
-    found = tidy(faces(ward))
+def test_every_infant_is_shown_every_gesture_once_and_is_itself_whoever_else_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(faces_module, "WARD", 3)
+    some = replace(QUICK, face_acts=60)
+    seen = tuple(bank(looks(0)[0]))
+    lives = [(Life(n, n, some, THINGS),) for n in range(3)]
+    found = tidy(faces(Ward(0, 60, tuple(lives[:2]), seen)))
     counted = found[found["condition"] != "nothing shown"].groupby(["agent", "condition"]).size()
     assert len(counted) == 24 and (counted == 3).all()
     assert (found["hit"] == (found["response"] == found["target"])).all()
+    alone = tidy(faces(Ward(0, 60, (lives[1],), seen)))
+    pd.testing.assert_frame_equal(alone, found[found["agent"] == 1].reset_index(drop=True))
 
 
 def row(agent: int, task: str, condition: str, hit: float, target: str = "", who: str = IMITATOR) -> Trial:

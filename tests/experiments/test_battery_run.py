@@ -1,0 +1,142 @@
+"""`imitate battery` as a whole, upon lives that take no time: the same rows whoever else lives, failures, resuming."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import experiments.battery.run as battery
+from experiments.__main__ import main
+from experiments.battery.faces import Ward
+from experiments.battery.life import Adult, Life
+from experiments.battery.shards import Shard
+from experiments.battery.table import IMITATOR, WHOLE, Trial
+from experiments.face.watching import Look, Looking
+
+TOUCH = ("a week before", "nothing")
+LIVED = list[int]()
+FAILS = set[int]()
+
+
+def nobody(life: Life) -> Adult:
+    return Adult({}, {})
+
+
+def nothing(looking: Looking) -> list[Look]:
+    return []
+
+
+def row(life: Life, task: str, condition: str, hit: bool, without: str = WHOLE, who: str = IMITATOR) -> Trial:
+    return Trial(life.agent, life.seed, without, who, 3, task, condition, 0, "", "", float(hit))
+
+
+def lived(shard: Shard) -> list[Trial]:
+    """Somebody who does it by a chance of its own, the likelier the larger the exponent."""
+    rows = []
+    for life in shard.lives:
+        LIVED.append(life.agent)
+        if life.agent in FAILS:
+            raise ValueError("it stumbled")
+        chance = np.random.default_rng(life.seed).random()
+        for without, share in ((WHOLE, 0.8), ("play", 0.1)):
+            rows += [row(life, "head touch", one, chance < share * (one != "nothing"), without) for one in TOUCH]
+        rows.append(row(life, "intention", "failed", chance < 0.2 * life.how.exponent))
+    return rows
+
+
+def faced(ward: Ward) -> list[Trial]:
+    return [row(life, "face", "tongue out, strong", True) for alike in ward.lives for life in alike]
+
+
+Run = Callable[..., tuple[int, Path]]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    for name, instead in (("adult", nobody), ("bank", nothing), ("lived", lived), ("faces", faced)):
+        monkeypatch.setattr(battery, name, instead)
+    LIVED.clear()
+    FAILS.clear()
+
+    def asked(*words: str, out: str = "it") -> tuple[int, Path]:
+        folder = tmp_path / out
+        return main(["battery", "--workers", "1", "--out", str(folder), *words]), folder
+
+    return asked
+
+
+def table(folder: Path) -> pd.DataFrame:
+    return pd.read_parquet(folder / "trials.parquet")
+
+
+def test_an_agent_is_itself_however_many_there_are_and_alone(run: Run) -> None:
+    status, few = run("--agents", "8")
+    assert status == 0
+    assert run("--agents", "25", out="many")[0] == run("--agents", "8", "--only", "3", out="one")[0] == 0
+    whole = table(few)
+    pd.testing.assert_frame_equal(whole, table(few.with_name("many")).query("agent < 8"))
+    alone = table(few.with_name("one"))
+    pd.testing.assert_frame_equal(alone, whole[whole["agent"] == 3].reset_index(drop=True))
+
+
+def test_two_agents_are_enough_for_a_result(run: Run) -> None:
+    status, folder = run("--agents", "2")
+    assert status == 0 and {"trials.csv", "dictionary.csv", "effects.csv"} <= {one.name for one in folder.iterdir()}
+
+
+def test_what_fails_is_named_and_only_that_is_done_again(run: Run, capsys: pytest.CaptureFixture[str]) -> None:
+    FAILS.add(4)
+    status, folder = run("--agents", "6", "--stages", "objects", "face")
+    said = capsys.readouterr().err
+    assert status == 1 and sorted(set(table(folder)["agent"])) == [0, 1, 2, 3, 4, 5]
+    assert set(table(folder).query("task != 'face'")["agent"]) == {0, 1, 2, 3, 5}
+    assert "agent 4" in said and "ValueError: it stumbled" in said
+    assert "imitate battery --stages objects face --agents 6 --seed 0 --only 4 --out" in said
+    FAILS.clear()
+    LIVED.clear()
+    assert run("--agents", "6", "--stages", "objects", "face")[0] == 0 and LIVED == [4]
+    assert set(table(folder).query("task != 'face'")["agent"]) == set(range(6))
+    assert not folder.with_name("it.partial").exists()
+
+
+def test_cells_have_the_same_seeds_and_verdicts_are_of_the_first_alone(run: Run) -> None:
+    status, folder = run("--agents", "30", "--vary", "exponent=1,4")
+    assert status == 0
+    found, metrics = table(folder), json.loads((folder / "metrics.json").read_text())
+    seeds = found.groupby("exponent")["seed"].agg(lambda column: sorted(set(column)))
+    assert seeds[1.0] == seeds[4.0] and len(seeds[1.0]) == 30
+    [week, *_] = [one for one in metrics["rows"] if one["task"] == "head touch: a week before"]
+    assert week["agents"] == 30  # not 60: the other cell has the same children
+    varied = [one for one in metrics["effects"] if one["between"] == "exponent" and one["task"] == "intention"]
+    assert len(varied) == 1 and varied[0]["paired"] and varied[0]["high"] < 0
+    [play] = [one for one in metrics["effects"] if one["between"] == "without" and one["condition"] == TOUCH[0]]
+    assert play["n_a"] == play["n_b"] == 30 and abs(play["difference"]) > 0.3
+    assert (folder / "vary_exponent.png").exists() and (folder / "power.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--vary", "exponnent=1,2"], "did you mean|exponent"),
+        (["--vary", "acts=0,2"], "between 1 and 20"),
+        (["--vary", "exponent=-1"], "between 0 and 100"),
+        (["--seed", "5000"], "at most 4000"),
+        (["--agents", "1"], "between 2 and"),
+        (["--scheduler", "nowhere"], "tcp://HOST:PORT"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_before_anybody_lives(
+    run: Run, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+) -> None:
+    status, folder = run(*words)
+    err = capsys.readouterr().err
+    assert status == 2 and len(err.splitlines()) == 1 and not folder.exists() and not LIVED
+    assert any(one in err for one in said.split("|"))
+
+
+def test_one_alone_asks_for_a_folder_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["battery", "--only", "3"]) == 2
+    assert "--out" in capsys.readouterr().err
