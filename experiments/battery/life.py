@@ -81,13 +81,13 @@ class Grown:
 def grown(life: Life) -> Grown:
     """Body babbling, watching oneself, play."""
     quiet, how = (lambda share: None), life.how
-    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES).mind
+    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES, rehearsal_s=how.rehearsal_s).mind
     mirrored = look_into_mirror(life.body, mind.pilot, how.mirror_minutes, how.seeing_noise_deg)
     limbs, glimpsed = image_of(mirrored, life.body, mind.pilot), None
     with suppress(BabblingError):
         glimpsed = image_of(mirrored.first(GLIMPSE_MINUTES), life.body, mind.pilot)
-    outline = look_at_hands(mind, life.seed, outline=True)
-    image = look_at_hands(mind, life.seed)
+    outline = look_at_hands(mind, life.seed, outline=True, minutes=how.mirror_minutes)
+    image = look_at_hands(mind, life.seed, minutes=how.mirror_minutes)
     play = play_on(mind, image, empty(mind, played_with(life)), played_with(life), how.play_rounds, life.seed, 1)
     child = Child(mind, image, play)
     return Grown(life, mind, limbs, glimpsed, outline, child, pool(child, life.seed, life.things))

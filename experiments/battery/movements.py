@@ -61,7 +61,7 @@ def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
         return np.asarray(attempt.truth[:, 0])
 
     line = inverse_line(mind.forward_model)
-    eager = best_eagerness(body_of(life.body, REHEARSERS, stream=1), mind, line, life.seed)
+    eager = best_eagerness(body_of(life.body, REHEARSERS, stream=1), mind, line, life.seed, life.how.rehearsal_s)
     body.reset()
     rest = np.broadcast_to(body.joint_angles[0], seen.angles.shape)
     ways = [

@@ -7,7 +7,7 @@ from experiments.shared.options import within
 
 THINGS = ("dumbbell", "outsized", "panel", "box", "loop", "cup")
 """What agents play with."""
-FEW_THINGS = ("dumbbell", "outsized", "panel", "box")
+FEW_THINGS = ("dumbbell", "outsized", "panel")
 
 
 @dataclass(frozen=True)
@@ -16,8 +16,10 @@ class Parameters:
 
     babbling_minutes: Annotated[float, within(1, 1000)] = 12.333
     """Body-minutes of babbling on the seat, the pilot counted."""
+    rehearsal_s: Annotated[float, within(2, 60)] = 10.0
+    """Length of the movements that it makes up to rehearse."""
     mirror_minutes: Annotated[float, within(2, 600)] = 6.0
-    """Body-minutes before a mirror."""
+    """Body-minutes before a mirror, and twice again of looking at one's own hands, head and arms."""
     looking_minutes: Annotated[float, within(1, 600)] = 5.0
     """Body-minutes of saccades."""
     gaze_lessons: Annotated[int, within(20, 1000)] = 40
@@ -59,5 +61,6 @@ class Parameters:
 LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
          "as_itself", "even_goals", "forgets")  # fmt: skip
 """What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
-QUICK = Parameters(babbling_minutes=3.0, looking_minutes=1.5, play_rounds=1, gaze_lessons=24, face_acts=300)
+QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=4.0, mirror_minutes=4.0, looking_minutes=1.5, play_rounds=1,
+                   gaze_lessons=24, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""

@@ -20,7 +20,7 @@ from experiments.shared.experiment import Result
 from experiments.shared.film import filmed
 from experiments.shared.held import given, held
 from experiments.shared.kept import once
-from experiments.shared.minds import REHEARSAL_S, Learned, body_of, learn_mind, take_mind
+from experiments.shared.minds import Learned, body_of, learn_mind, take_mind
 from experiments.shared.mirrors import Pupil, correspondence_metrics, image_of, look_into_mirror
 from experiments.shared.peers import inverse_line
 from experiments.shared.progress import part, progress, ticking
@@ -28,7 +28,7 @@ from experiments.shared.tables import table
 from experiments.shared.trajectories import left
 from experiments.shared.watching import Seen, watch
 from imitation.acting.loop import imitate
-from imitation.acting.rehearsal import REHEARSERS, best_eagerness
+from imitation.acting.rehearsal import REHEARSAL_S, REHEARSERS, best_eagerness
 
 
 def run(config: Config) -> Result:
@@ -95,7 +95,7 @@ def perform(config: Config) -> Performed:
     with progress("imitating") as report:
         with ticking(body, part(report, 0, 0.7), config.attempts * ticks):
             attempts = attempted(selection=config.selection, attempts=config.attempts, rng=rng)
-        with ticking(hung, part(report, 0.7, 0.9), REHEARSAL_S / 3 / body.tick_s):
+        with ticking(hung, part(report, 0.7, 0.9), 1.2 * REHEARSAL_S / body.tick_s):
             eagerness = best_eagerness(hung, mind, line, config.seed)
         with ticking(body, part(report, 0.9, 1), ticks):
             peer = attempted(inverse=line, eagerness=eagerness, rng=np.random.default_rng([config.seed, 9]))[0]

@@ -22,7 +22,7 @@ from experiments.shared.held_out import HeldOut, Watched
 from experiments.shared.judging import LearningCurve
 from experiments.shared.options import LONGEST_MINUTES, BodyOptions
 from experiments.shared.progress import part, ticking
-from imitation.acting.rehearsal import EAGERNESS, REHEARSERS, rehearse
+from imitation.acting.rehearsal import EAGERNESS, REHEARSAL_S, REHEARSERS, rehearse
 from imitation.inference.moving import CANDIDATES
 from models.body import SimulatedBody
 from models.loading import load_body
@@ -33,8 +33,8 @@ round (6 s) does; but no sooner than so many times what keeping took last (0.2 s
 COPIES, PILOT_SHARE = 8, 0.6
 """Bodies that babble at once, and how much of the babbling their pilot may take: fewer where there is little time."""
 BARE_TICKS = 100
-REHEARSAL_S, REHEARSAL_COST = 37.2, 4.4
-"""For progress alone: how long rehearsing moves a body, and what a tick of it costs in ticks of babbling."""
+REHEARSED, REHEARSAL_COST = 3.7, 4.4
+"""For progress alone: rehearsing lasts so many made-up movements, a tick of it so many ticks of babbling."""
 Experiences = Generator[tuple[FloatArray, FloatArray], None, None]
 Elsewhere = Callable[[int, Pilot, tuple[int, ...], int], Experiences]
 """(copies, pilot, ticks of each bout, the first bout still to do) -> `experience` of every bout from that one on."""
@@ -98,6 +98,7 @@ def learn_mind(
     *,
     checkpoint: Path | None = None,
     candidates: int = CANDIDATES,
+    rehearsal_s: float = REHEARSAL_S,
     elsewhere: Elsewhere | None = None,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
@@ -109,6 +110,7 @@ def learn_mind(
         checkpoint: where to keep what was learned so far, every `EVERY_S`; an interrupted babble goes on from there and
             ends with the same mind and numbers, wall times apart.
         candidates: see `rehearse`.
+        rehearsal_s: see `rehearse`.
         elsewhere: who has the experience of the bouts, if not this process.
     """
     copies = copies_for(minutes)
@@ -117,7 +119,7 @@ def learn_mind(
     plan = bouts(more, body) if more * 60 > body.tick_s * copies else ()
     kept, cost_s = (clock := time.perf_counter()), 0.0
     left = _left(checkpoint, body, options, minutes, plan)
-    pilot_ticks, rehearsing = pilot_minutes(1) * 60 / body.tick_s, REHEARSAL_S / body.tick_s
+    pilot_ticks, rehearsing = pilot_minutes(1) * 60 / body.tick_s, REHEARSED * rehearsal_s / body.tick_s
     whole = pilot_ticks + sum(plan) + REHEARSAL_COST * rehearsing
     before, babbled = pilot_ticks / whole, (pilot_ticks + sum(plan)) / whole
     if left is None:
@@ -181,7 +183,8 @@ def learn_mind(
         babble(body, watched, plan, options.seed, onto=model, first=first, after_bout=after_bout, had=had)
     rehearsers = body_of(options, REHEARSERS, stream=1)
     with ticking(rehearsers, part(report, babbled, 1), rehearsing):
-        mind = rehearse(rehearsers, unrehearsed(), options.seed, tuple(rehearsed), after_rehearsing, candidates)
+        how = options.seed, tuple(rehearsed), after_rehearsing, candidates, rehearsal_s
+        mind = rehearse(rehearsers, unrehearsed(), *how)
     report(1.0)
     ticks, curve = sum(plan), held_out.curve()
     metrics = {

@@ -40,12 +40,14 @@ SPECIMENS = 10_000_000
 """Specimens from here on are played with; those that an experiment judges by come before."""
 
 
-def look_at_hands(mind: Mind, seed: int, robot: str = SEATED, *, outline: bool = False) -> BodyImage:
+def look_at_hands(
+    mind: Mind, seed: int, robot: str = SEATED, *, outline: bool = False, minutes: float | None = None
+) -> BodyImage:
     """Where hands and forehead (and elbows and shoulders) are seen in every posture, learned by moving and looking."""
     body = load_body(robot, copies=LOOKING_COPIES, seed=seed)
     rest = body.reset()[:, mind.pilot.schema.posture].mean(0)
     seen = mirror_babble(
-        body, Hands(body, seed, outline=outline), mind.pilot.schema, mind.pilot.motors, LOOKING_MINUTES, seed
+        body, Hands(body, seed, outline=outline), mind.pilot.schema, mind.pilot.motors, minutes or LOOKING_MINUTES, seed
     )
     return learn_image(seen, find_organs(seen), mind.pilot.low, mind.pilot.high, rest, seed, mind.fingerprint)
 

@@ -45,12 +45,12 @@ def made_up_movement(body: Body, mind: Mind, rng: np.random.Generator, seconds: 
     return Movement("made up", body.tick_s, senses)
 
 
-def felt_errors(body: Body, mind: Mind, inverse: MovingInverse, seed: int) -> FloatArray:
+def felt_errors(body: Body, mind: Mind, inverse: MovingInverse, seed: int, seconds: float = REHEARSAL_S) -> FloatArray:
     """(E, F) root mean square of believed posture minus goal at each of EAGERNESS, the worst movement's.
 
     The body has `REHEARSERS` copies: all movements at all candidates at once.
     """
-    movements = [made_up_movement(body, mind, np.random.default_rng([seed, 4, n])) for n in range(MOVEMENTS)]
+    movements = [made_up_movement(body, mind, np.random.default_rng([seed, 4, n]), seconds) for n in range(MOVEMENTS)]
     everything = together([movement for movement in movements for _ in EAGERNESS])
     eagerness, rng = np.tile(EAGERNESS, MOVEMENTS)[:, None], np.random.default_rng([seed, 5])
     attempt = imitate(body, everything, mind, inverse=inverse, eagerness=eagerness, rng=rng)[0]
@@ -72,6 +72,7 @@ def rehearse(
     known: Sequence[FloatArray] = (),
     after: Callable[[FloatArray], object] = lambda errors: None,
     candidates: int = CANDIDATES,
+    seconds: float = REHEARSAL_S,
 ) -> Mind:
     """The same mind with a temper of its own.
 
@@ -82,6 +83,7 @@ def rehearse(
         known: (E, F) `felt_errors` that are known from before, one for each temper that is tried.
         after: is told each that is found anew.
         candidates: actions that Eq. (1) weighs for every joint.
+        seconds: of each made-up movement.
     """
     temper, felt = mind.temper, np.full(len(mind.temper.trust), np.inf)
     tempers: list[tuple[FloatArray | float, FloatArray | float]] = [(temper.trust, temper.simple), *OTHERWISE]
@@ -91,7 +93,7 @@ def rehearse(
             errors = known[number]
         else:
             errors = felt_errors(
-                body, mind, AveragedInverse.of(replace(mind, temper=other), candidates=candidates), seed
+                body, mind, AveragedInverse.of(replace(mind, temper=other), candidates=candidates), seed, seconds
             )
             after(errors)
         chosen = calmest(errors)
@@ -103,6 +105,8 @@ def rehearse(
     return replace(mind, temper=temper)
 
 
-def best_eagerness(body: Body, mind: Mind, inverse: MovingInverse, seed: int) -> FloatArray:
+def best_eagerness(
+    body: Body, mind: Mind, inverse: MovingInverse, seed: int, seconds: float = REHEARSAL_S
+) -> FloatArray:
     """(F,) the eagerness at which another inverse model feels closest, found in the same rehearsal (for peers)."""
-    return np.asarray(np.array(EAGERNESS)[calmest(felt_errors(body, mind, inverse, seed))])
+    return np.asarray(np.array(EAGERNESS)[calmest(felt_errors(body, mind, inverse, seed, seconds))])
