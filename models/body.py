@@ -16,7 +16,7 @@ from models.arrays import FloatArray, IntArray
 from models.errors import BodyError, unknown
 from models.fingerprints import fingerprint
 from models.hush import unheard
-from models.senses import Channel, Senses, sensor_channels
+from models.senses import Channel, Senses, numeric, sensor_channels
 from models.servos import PULLS, Gains, driven, posed, position, reach, resting
 from models.units import SHOWN
 from models.wear import Wear, ball_radius
@@ -103,7 +103,7 @@ class SimulatedBody:
         held, self._held = [position(model, one, resting(model)) for one in known.values()], np.zeros(model.nu)
         self._held[pulls] = np.clip(held, *model.actuator_ctrlrange[pulls].T)
         low, high = self.joint_range.T
-        turns, pulses = _numeric(model, "speed_limit", 5.0), _numeric(model, "encoder_pulses_per_degree", 0.0)
+        turns, pulses = numeric(model, "speed_limit", 5.0), numeric(model, "encoder_pulses_per_degree", 0.0)
         speed = np.where([unit == "m" for unit in self.units], SLIDES_PER_S * (high - low), turns)
         self._sensors = sensor_channels(model, sensors)
         self._stage = int(mujoco.mjtStage.mjSTAGE_ACC if self._sensors else mujoco.mjtStage.mjSTAGE_NONE)
@@ -296,8 +296,3 @@ class SimulatedBody:
         else:
             joint = int(self.model.dof_jntid[min(place, self.model.nv - 1)])
         return self.model.joint(joint).name or f"joint {joint}"
-
-
-def _numeric(model: mujoco.MjModel, name: str, default: float) -> float:
-    identity = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
-    return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])

@@ -189,3 +189,9 @@ def sensor_channels(model: mujoco.MjModel, names: Sequence[str]) -> list[tuple[C
         channel = Channel(element, kind, unit, labels, 0.0 if kind == "touch" else -high, high, parts, noise)
         found.append((channel, np.array(columns).reshape(channel.shape)))
     return found
+
+
+def numeric(model: mujoco.MjModel, name: str, default: float) -> float:
+    """A number that an MJCF tells under `<custom>`, or else `default`."""
+    identity = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, name)
+    return default if identity < 0 else float(model.numeric_data[model.numeric_adr[identity]])

@@ -9,7 +9,7 @@ from experiments.shared.options import Flag, ShardOptions, options, some, within
 
 Stage = Literal["movements", "gaze", "face", "objects"]
 STAGES: tuple[Stage, ...] = ("movements", "gaze", "face", "objects")
-QUICK_AGENTS, AGENTS, MOST_SEEDS = 20, 200, 4000
+QUICK_AGENTS, AGENTS = 20, 200
 
 
 @options
@@ -36,8 +36,6 @@ class Config(ShardOptions):
         parse(self.vary, Parameters)
         if self.only is not None and self.out is None:
             raise ExperimentError(f"--only {self.only}: name a folder of its own for it, with --out")
-        if self.seed > MOST_SEEDS:
-            raise ExperimentError(f"--seed {self.seed}: it must be at most {MOST_SEEDS}; each has a million agents")
 
     @property
     def population(self) -> int:

@@ -24,8 +24,8 @@ from experiments.shared.parallel import attempted, succeeded
 
 ADULTS, ADULT_SEEDS = 2, 900_000
 """Whom agents watch, in turn; their seeds, from that of the first agent on."""
-BETWEEN = 1_000_000
-"""Seeds of agents from one run's --seed to the next's."""
+BETWEEN, SEEDS = 1_000_000, 4000
+"""Seeds of agents from one run's --seed to the next's; larger ones begin anew."""
 
 
 def run(config: Config) -> Result:
@@ -35,7 +35,7 @@ def run(config: Config) -> Result:
         ExperimentError: nobody could be watched, or nobody lived.
     """
     config.check()
-    began, base, first = time.perf_counter(), QUICK if config.quick else Parameters(), BETWEEN * config.seed
+    began, base, first = time.perf_counter(), QUICK if config.quick else Parameters(), BETWEEN * (config.seed % SEEDS)
     varied = parse(config.vary, Parameters)
     cells = designs(varied, base, config.population)
     things = FEW_THINGS if config.quick else THINGS

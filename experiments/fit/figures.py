@@ -38,7 +38,7 @@ def parameters(done: Found) -> Figure:
         _scale(axes, name, "y")
         if name in LOGARITHMIC:
             axes.axhline(1, color=DARK, lw=0.8, ls="--")
-        axes.set(xlabel="individuals", title=name)
+        axes.set(xlabel="individuals", ylabel=name)
         axes.grid(alpha=0.25)
     axes.legend(frameon=False, fontsize=8)
     return figure
@@ -86,7 +86,7 @@ def models(done: Found) -> Figure:
         axes.axhline(0, color=DARK, lw=0.8)
         axes.set_xticks(range(len(shown)), [model.replace(" ", "\n") for model in shown])
         axes.set_title(title, loc="left", fontsize=11)
-    whole.set_ylabel("log evidence above chance")
+        axes.set_ylabel("log evidence above chance")
     return figure
 
 

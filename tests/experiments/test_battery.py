@@ -42,7 +42,7 @@ def grown(mind: Mind) -> Iterator[Grown]:
     """Who played with two things for two rounds, in a hurry."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounds, "CHILDREN", 13)
-        patch.setattr(rounds, "LOOKING_MINUTES", 4.0)
+        patch.setattr(rounds, "LOOKING_MINUTES", 2.5)
         patch.setattr(life, "MEANS", 4)
         patch.setattr(life, "CARELESS", 4)
         image, one = rounds.look_at_hands(mind, 0), Life(0, 5, CALM, THINGS)

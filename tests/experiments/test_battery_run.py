@@ -123,7 +123,6 @@ def test_cells_have_the_same_seeds_and_verdicts_are_of_the_first_alone(run: Run)
         (["--vary", "exponnent=1,2"], "did you mean|exponent"),
         (["--vary", "acts=0,2"], "between 1 and 20"),
         (["--vary", "exponent=-1"], "between 0 and 100"),
-        (["--seed", "5000"], "at most 4000"),
         (["--agents", "1"], "between 2 and"),
         (["--scheduler", "nowhere"], "tcp://HOST:PORT"),
     ],

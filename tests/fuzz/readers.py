@@ -264,7 +264,7 @@ READERS: dict[str, Reader] = {
     "maze": Reader("case.txt", samples.drawings, a_maze, BodyError, WORDS_OF_A_MAZE, 800),
     "walks": Reader("case.csv", samples.walks, some_walks, BodyError, WORDS_OF_WALKS, 250),
     "trials": Reader("case.csv", samples.trials, some_trials, SEVERAL, samples.TABLE, 150),
-    "trials.parquet": Reader("case.parquet", samples.parquets, some_trials, SEVERAL, (), 100),
+    "trials.parquet": Reader("case.parquet", samples.parquets, some_trials, SEVERAL, (), 20),
     **{f"{name}.nc": a_kind(name) for name in sorted(KINDS)},
     "run/config.json": Reader("run/config.json", samples.folder_of("config.json"), a_run, SEVERAL, samples.JSON, 500),
     "run/metrics.json": Reader(

@@ -19,7 +19,7 @@ def felt(monkeypatch: pytest.MonkeyPatch, best: dict[tuple[float, float], list[f
     tried is kept."""
     tried = []
 
-    def errors(body: object, mind: Mind, inverse: AveragedInverse, seed: int) -> np.ndarray:
+    def errors(body: object, mind: Mind, inverse: AveragedInverse, seed: int, seconds: float) -> np.ndarray:
         alone = bool((inverse.forward_model.evidence[:, 1:] == -UNBELIEVED).all())
         assert (inverse.forward_model.paced == (inverse.trust >= 1)).all(), "all of habit is habit of pace"
         way = float(inverse.trust[0]), float(alone)

@@ -91,7 +91,7 @@ def test_names_do_not_matter(name: str) -> None:
                 data.oMi[joints[f"{side}_{two}"]].translation - data.oMi[joints[f"{side}_{one}"]].translation
                 for joints in (found, named.landmarks)
             ]
-            cosine = np.dot(*bones) / np.prod(np.linalg.norm(bones, axis=1))
+            cosine = min(np.dot(*bones) / np.prod(np.linalg.norm(bones, axis=1)), 1.0)
             assert np.rad2deg(np.arccos(cosine)) < 12, (side, one)
 
 
