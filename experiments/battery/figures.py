@@ -92,7 +92,8 @@ def beside_signs(rows: Sequence[Row]) -> Figure:
         _dot(axes, row.simulated, at, OURS, None)
         _verdict(axes, at, row.verdict.word)
         one = row.published
-        labels.append(f"{one.more} {one.relation} {one.less.condition}\n{one.study} ({one.status})")
+        less = one.less.condition if one.less.task == one.more.task else one.less
+        labels.append(f"{one.more} {one.relation} {less}\n{one.study} ({one.status})")
     axes.axvline(0, color=DARK, lw=0.8)
     axes.set_xlim(-1.02, 1.02)
     _named(axes, labels)

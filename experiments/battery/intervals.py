@@ -110,10 +110,14 @@ def hedges_g(a: FloatArray, b: FloatArray, *, paired: bool) -> Estimate:
     if not spread > ROUNDING * (1 + abs(mean)):
         return Estimate(np.nan, np.nan, np.nan, name)
     few, t = 1 - 3 / (4 * degrees - 1), mean / spread / scale
-    reach = 10 * np.sqrt(1 + t**2 / (2 * degrees))
+    error = np.sqrt(1 + t**2 / (2 * degrees))
+    reach = 10 * error
 
     def shift(tail: float) -> float:
         return float(brentq(lambda one: stats.nct.cdf(t, degrees, one) - tail, t - reach, t + reach))
 
-    low, high = shift((1 + LEVEL) / 2), shift((1 - LEVEL) / 2)
+    try:
+        low, high = shift((1 + LEVEL) / 2), shift((1 - LEVEL) / 2)
+    except ValueError:  # so far away that the distribution is nothing but its normal limit (Hedges and Olkin 1985)
+        low, high = t + stats.norm.ppf([(1 - LEVEL) / 2, (1 + LEVEL) / 2]) * error
     return Estimate(float(few * scale * t), few * scale * low, few * scale * high, name)

@@ -155,6 +155,17 @@ def test_hedges_g_and_its_interval_by_the_noncentral_t() -> None:
     assert np.isnan(hedges_g(np.ones(3), np.zeros(3), paired=False).value)
 
 
+def test_an_effect_beyond_all_bounds_has_an_interval_too() -> None:
+    rng = np.random.default_rng(0)
+    near, far = 1e-3 * rng.standard_normal(20), 60 + 0.5 * rng.standard_normal(20)
+    for paired in (True, False):
+        found = hedges_g(far, near, paired=paired)
+        assert 0 < found.low < found.value < found.high < np.inf
+        less = hedges_g(near, far, paired=paired)
+        assert less.high == pytest.approx(-found.low) and less.low == pytest.approx(-found.high)
+    assert hedges_g(1e4 * far, near, paired=False).high < np.inf
+
+
 def test_a_rate_is_inside_where_the_published_interval_has_it() -> None:
     exact = stats.binomtest(8, 10).proportion_ci(0.95, "exact")
     for rate, word in (
