@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 import experiments.battery.faces as faces_module
-import experiments.battery.life as life
 import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
 from experiments.battery.acting import VIEWS, acting, chances
@@ -43,20 +42,17 @@ def grown(mind: Mind) -> Iterator[Grown]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounds, "CHILDREN", 13)
         patch.setattr(rounds, "LOOKING_MINUTES", 2.5)
-        patch.setattr(life, "MEANS", 4)
-        patch.setattr(life, "CARELESS", 4)
         image, one = rounds.look_at_hands(mind, 0), Life(0, 5, CALM, THINGS)
         hands = rounds.look_at_hands(mind, 0, outline=True)
         play = play_on(mind, image, rounds.empty(mind, played_with(one)), played_with(one), 2, 0, 1)
         child = Child(mind, image, play)
-        yield Grown(one, mind, image, None, hands, child, pool(child, 0, THINGS))
+        yield Grown(one, mind, image, None, hands, child, pool(child, 0, THINGS, means=2))
 
 
 @pytest.fixture(scope="module")
 def adult(grown: Grown) -> Adult:
     touch = demonstrated(grown.child, "panel", "press with the head", "lit by head", 4, 3)
-    handled = demonstrated(grown.child, "panel", "lift with both", None, 4, 4)
-    return Adult(pool(grown.child, 9, played_with(grown.life), 4), {"live": touch, "room": touch, "handled": handled})
+    return Adult(pool(grown.child, 9, played_with(grown.life), 6), {"live": touch, "room": touch})
 
 
 def test_agents_of_one_childhood_differ_in_nothing_that_growing_up_depends_on() -> None:
@@ -108,11 +104,12 @@ def test_who_never_played_knows_nothing_of_things(grown: Grown) -> None:
 def test_every_infant_is_shown_every_gesture_once_and_is_itself_whoever_else_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(faces_module, "WARD", 3)
+    monkeypatch.setattr(faces_module, "WARD", 2)
+    monkeypatch.setattr(faces_module, "EACH", 1)
     some = replace(QUICK, face_acts=60)
     seen = tuple(bank(looks(0)[0]))
-    lives = [(Life(n, n, some, THINGS),) for n in range(3)]
-    found = tidy(faces(Ward(0, 60, tuple(lives[:2]), seen)))
+    lives = [(Life(n, n, some, THINGS),) for n in range(2)]
+    found = tidy(faces(Ward(0, 60, tuple(lives), seen)))
     counted = found[found["condition"] != "nothing shown"].groupby(["agent", "condition"]).size()
     assert len(counted) == 24 and (counted == 3).all()
     assert (found["hit"] == (found["response"] == found["target"])).all()
