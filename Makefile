@@ -41,7 +41,7 @@ demo: setup
 	@echo "Look at it: $(BIN)/rerun runs/gesture/recording.rrd"
 
 test: setup
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --cov --cov-report=
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --cov --cov-report=
 	@for one in $(COVERED); do \
 		printf '%-12s %% of lines run (at least %s): ' "$${one%:*}" "$${one#*:}"; \
 		$(BIN)/coverage report --include="$${one%:*}/*" --format=total --fail-under="$${one#*:}" || exit 2; done

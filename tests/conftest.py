@@ -32,6 +32,14 @@ os.environ.setdefault("MUJOCO_GL", "disabled")
 CMU = Path(__file__).resolve().parents[2] / "shared" / "data" / "cmu"
 
 
+LONGEST_FIRST = ("notebook", "pages", "readers", "battery", "standing", "gesture", "babble", "notice", "shards")
+"""Files of tests that take long: begun first, so that no process waits for them at the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.stem.removeprefix("test_") not in LONGEST_FIRST)
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Of the fuzz suite."""
     parser.addoption(
