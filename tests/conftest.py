@@ -32,7 +32,7 @@ os.environ.setdefault("MUJOCO_GL", "disabled")
 CMU = Path(__file__).resolve().parents[2] / "shared" / "data" / "cmu"
 
 
-LONGEST_FIRST = ("notebook", "pages", "readers", "battery", "standing", "gesture", "babble", "notice", "shards")
+LONGEST_FIRST = ("notebook", "pages", "battery", "standing", "gesture", "babble", "notice", "shards")
 """Files of tests that take long: begun first, so that no process waits for them at the end."""
 
 
