@@ -7,11 +7,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from babbling.axes import FloatArray
 from experiments.battery.beside import Row, of
 from experiments.battery.chapters import STAGES, stage_of
 from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, SAME, populations
 from experiments.battery.found import Battery, enough, only
 from experiments.battery.infants import Cell, Rate, Sign
+from experiments.battery.intervals import Estimate
 from experiments.battery.power import Power, power, power_figure
 from experiments.battery.table import IMITATOR, WHOLE
 from experiments.shared.figures import MARKS, captioned
@@ -66,13 +68,16 @@ def beside_infants(rows: Sequence[Row]) -> Figure:
     figure, axes = _lines(len(shown), "share of agents, of infants")
     for at, row in enumerate(shown):
         assert isinstance(row.published, Rate) and row.simulated is not None
-        _dot(axes, row.simulated, at - 0.13, OURS, "agents" if at == 0 else None)
+        _dot(axes, row.simulated, at - 0.13, OURS)
         if row.verdict.published is not None:
-            _dot(axes, row.verdict.published, at + 0.13, THEIRS, "infants" if at == 0 else None)
+            _dot(axes, row.verdict.published, at + 0.13, THEIRS)
         else:
             axes.plot(row.published.share, at + 0.13, "o", mfc="none", color=THEIRS, ms=6)
         _verdict(axes, at, row.verdict.word)
     axes.set_xlim(-0.02, 1.02)
+    for who, ink in (("agents", OURS), ("infants", THEIRS)):
+        axes.plot([], [], "o-", color=ink, ms=6, label=who)
+    figure.legend(loc="outside upper right", ncols=2, frameon=False)
     _named(axes, [f"{row.published.cell}\n{row.published.study} ({row.published.status})" for row in shown
                   if isinstance(row.published, Rate)])  # fmt: skip
     return figure
@@ -89,7 +94,7 @@ def beside_signs(rows: Sequence[Row]) -> Figure:
     labels = []
     for at, row in enumerate(shown):
         assert isinstance(row.published, Sign) and row.simulated is not None
-        _dot(axes, row.simulated, at, OURS, None)
+        _dot(axes, row.simulated, at, OURS)
         _verdict(axes, at, row.verdict.word)
         one = row.published
         less = one.less.condition if one.less.task == one.more.task else one.less
@@ -120,9 +125,8 @@ def ablations(frame: pd.DataFrame, title: str, *, rng: np.random.Generator) -> F
         for number, (name, (peer, without)) in enumerate(who.items()):
             some = here[(here["who"] == peer) & (here["without"] == without)]
             at = np.array([conditions.index(one) for one in some["condition"]]) + 0.7 * (number / len(who) - 0.5)
-            spread = np.clip([some["mean"] - some["low"], some["high"] - some["mean"]], 0, None)
             how = {"fmt": MARKS[number % len(MARKS)], "color": CYCLE[number % len(CYCLE)], "ms": 5, "lw": 1.3}
-            axes.errorbar(some["mean"], at, xerr=spread, label=name, **how)
+            axes.errorbar(some["mean"], at, xerr=_spread(some), label=name, **how)
         unit = here["unit"].iloc[0]
         axes.set(xlabel=f"error [{unit}]" if unit else "share of agents' trials", title=task)
         axes.set_yticks(range(len(conditions)), conditions)
@@ -154,8 +158,7 @@ def varied(frame: pd.DataFrame, factor: str, *, rng: np.random.Generator) -> Fig
     for axes, task in zip(panels, tasks, strict=False):
         here = table[table["task"] == task]
         for number, (condition, some) in enumerate(here.groupby("condition", sort=False)):
-            spread = np.clip([some["mean"] - some["low"], some["high"] - some["mean"]], 0, None)
-            axes.errorbar(some[factor].astype(str), some["mean"], yerr=spread, marker=MARKS[number % len(MARKS)],
+            axes.errorbar(some[factor].astype(str), some["mean"], yerr=_spread(some), marker=MARKS[number % len(MARKS)],
                           color=CYCLE[number % len(CYCLE)], ms=4, lw=1.3, label=str(condition))  # fmt: skip
         unit = here["unit"].iloc[0]
         axes.set(xlabel=factor.replace("_", " "), ylabel=f"error [{unit}]" if unit else "share", title=task)
@@ -175,12 +178,14 @@ def _lines(count: int, label: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _dot(axes: Axes, one: object, at: float, ink: str, label: str | None) -> None:
-    value, low, high = one.value, one.low, one.high  # type: ignore[attr-defined]
-    spread = [[max(value - low, 0)], [max(high - value, 0)]]
-    axes.errorbar(value, at, xerr=spread, fmt="o", color=ink, ms=6, lw=1.6, label=label)
-    if label:
-        axes.figure.legend(loc="outside upper right", ncols=2, frameon=False) if label == "infants" else None
+def _dot(axes: Axes, one: Estimate, at: float, ink: str) -> None:
+    spread = [[max(one.value - one.low, 0)], [max(one.high - one.value, 0)]]
+    axes.errorbar(one.value, at, xerr=spread, fmt="o", color=ink, ms=6, lw=1.6)
+
+
+def _spread(rows: pd.DataFrame) -> FloatArray:
+    """(2, N) from means to the ends of their intervals."""
+    return np.asarray(np.clip([rows["mean"] - rows["low"], rows["high"] - rows["mean"]], 0, None))
 
 
 def _verdict(axes: Axes, at: float, word: str) -> None:

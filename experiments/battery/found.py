@@ -21,12 +21,15 @@ class Battery:
     config: Config
     frame: pd.DataFrame
     """See `experiments.battery.table`."""
-    factors: tuple[str, ...]
-    """What was varied."""
     failed: tuple[str, ...]
     """Shards that failed, in words."""
     shards: int
     took_s: float
+
+    @property
+    def factors(self) -> list[str]:
+        """What was varied."""
+        return varied(self.frame)
 
     @cached_property
     def whole(self) -> pd.DataFrame:
@@ -34,7 +37,7 @@ class Battery:
         first = self.frame
         for name in self.factors:
             first = first[first[name] == self.frame[name].iloc[0]]
-        return first.drop(columns=list(self.factors))
+        return first.drop(columns=self.factors)
 
     @cached_property
     def effects(self) -> pd.DataFrame:

@@ -5,16 +5,16 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from babbling.axes import FloatArray
+from experiments.battery.acting import chances
 from experiments.battery.life import Life
 from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
 from experiments.gaze.covered import AGES, TRAINING, own_experience
 from experiments.gaze.infer import infer
 from experiments.gaze.options import Config
-from experiments.gaze.trials import COPIES, TOYS, Trials, lesson_for_gaze, located, run_trials, shown, table_body
-from experiments.intentions.agents import sharpened
+from experiments.gaze.trials import COPIES, TOYS, lesson_for_gaze, run_trials, shown, table_body
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.eyes import learn_to_look, nursery
-from imitation.gaze.reader import EyeLore, Preferences
+from imitation.gaze.reader import EyeLore
 
 HEADS, LESSONS = 8, 100
 """Copies that babble saccades at once. Looks at a caregiver who repeats one's posture."""
@@ -39,6 +39,7 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
     body, rng = table_body(config, COPIES, 100 * life.seed + 11, TURN_S), life.rng(4)
     who = shown(naive, run_trials(body, naive, life.how.gaze_lessons, rng))
     met = {cloth: run_trials(body, who, COUNT, rng, cloth=kind) for cloth, kind in CLOTHS.items()}
+    before = {cloth: infer(who, trials, TOYS, sees=np.zeros(COUNT)) for cloth, trials in met.items()}  # salience alone
     views = [pair[0] for pair in body.images]
     for place, (name, (age, training)) in enumerate(LIVES.items()):
         lore = EyeLore()
@@ -47,10 +48,10 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
             own_experience(lore, cover, views, config.noise, rng)
         for number, (cloth, trials) in enumerate(met.items()):
             sees = np.where(trials.eyes_seen, lore.sees(False)[0], lore.sees(True)[0])
-            belief, prior = infer(who, trials, TOYS, sees=sees), _prior(trials, located(trials, who.gaze.geometry))
+            belief = infer(who, trials, TOYS, sees=sees)
             for one in lives:
                 what = one.rng(4, number, place), f"gaze, {cloth}", name
-                yield from _followed(one, *what, belief, prior, trials.target.tolist())
+                yield from _followed(one, *what, belief, before[cloth], trials.target.tolist())
 
 
 def _followed(
@@ -68,19 +69,9 @@ def _followed(
             continue
         there, now, before = [TOYS[k] for k in seen], belief[seen], prior[seen]
         fits = now / before
-        looked = there[int(rng.choice(len(there), p=sharpened(fits * before**life.how.trust, life.how.exponent)))]
+        looked = there[int(rng.choice(len(there), p=chances(fits, before, life.how)))]
         told = [joined(one) if len(there) > 1 else "" for one in (there, fits / fits.sum(), before)]
         yield Trial(
             life.agent, life.seed, WHOLE, IMITATOR, 2, task, name, number, looked, TOYS[target],
             float(looked == TOYS[target]), np.nan, "", *told,
         )  # fmt: skip
-
-
-def _prior(trials: Trials, places: FloatArray) -> FloatArray:
-    """(N, G) salience of what both eyes saw, as P(g); 0 for the rest."""
-    found = np.zeros(places.shape[:2])
-    for prior, seen, salience in zip(found, np.asarray(np.isfinite(places).all(-1)), trials.salience, strict=True):
-        if seen.any():
-            labels = tuple(np.array(TOYS)[seen].tolist())
-            prior[seen] = Preferences().prior(labels, salience[seen])
-    return found

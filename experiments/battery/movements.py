@@ -7,14 +7,14 @@ import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.body_image import BodyImage
-from babbling.mirroring import angles_between
+from babbling.mind import Mind
 from experiments.battery.life import Grown, hardly_babbled
 from experiments.battery.table import IMITATOR, WHOLE, Trial
 from experiments.correspondence.acts import act
 from experiments.shared.baselines import direct_replay
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import body_of
-from experiments.shared.mirrors import Pupil
+from experiments.shared.mirrors import Pupil, limbs_off_deg
 from experiments.shared.oracle import at_ticks
 from experiments.shared.peers import inverse_line
 from experiments.shared.watching import Seen, watch
@@ -45,11 +45,14 @@ def movements(who: Grown) -> Iterator[Trial]:
             said, right = ("nothing", *who.limbs.parts)[found + 1], who.limbs.parts[part]
             yield Trial(life.agent, life.seed, without, IMITATOR, 1, "whose part", "single act", number, said, right,
                         float(said == right))  # fmt: skip
+    hardly, line = hardly_babbled(life), inverse_line(who.mind.forward_model)
+    rehearsers = body_of(life.body, REHEARSERS, stream=1)
+    eager = best_eagerness(rehearsers, who.mind, line, life.seed, life.how.rehearsal_s)
     for name in SHOWN:
-        yield from _imitated(who, name, body)
+        yield from _imitated(who, name, body, hardly, {"inverse": line, "eagerness": eager})
 
 
-def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
+def _imitated(who: Grown, name: str, body: SimulatedBody, hardly: Mind, line: dict[str, object]) -> Iterator[Trial]:
     life, mind = who.life, who.mind
     plain = watch(name, body)
     seen = _understood(who, who.limbs, plain, body)
@@ -60,16 +63,14 @@ def _imitated(who: Grown, name: str, body: SimulatedBody) -> Iterator[Trial]:
         attempt = imitate(robot, rng=life.rng(3), witness=lambda: robot.joint_angles, **how)[0]  # type: ignore[arg-type]
         return np.asarray(attempt.truth[:, 0])
 
-    line = inverse_line(mind.forward_model)
-    eager = best_eagerness(body_of(life.body, REHEARSERS, stream=1), mind, line, life.seed, life.how.rehearsal_s)
     body.reset()
     rest = np.broadcast_to(body.joint_angles[0], seen.angles.shape)
     ways = [
         (WHOLE, IMITATOR, done(body), seen),
-        (WHOLE, "inverse line", done(body, inverse=line, eagerness=eager), seen),
+        (WHOLE, "inverse line", done(body, **line), seen),
         (WHOLE, "direct replay", direct_replay(body, seen.angles), seen),
         (WHOLE, "stays at rest", rest, seen),
-        ("babbling", IMITATOR, done(body, mind=hardly_babbled(life)), seen),
+        ("babbling", IMITATOR, done(body, mind=hardly), seen),
         ("own body", IMITATOR, done(elsewhere, mind=replace(mind, fingerprint=elsewhere.fingerprint)), seen),
     ]
     if who.glimpsed is None:
@@ -94,9 +95,6 @@ def _understood(who: Grown, limbs: BodyImage, seen: Seen, body: SimulatedBody) -
 def _pointed(body: SimulatedBody, angles: FloatArray, seen: Seen) -> float:
     """Mean angle between where its parts pointed and the teacher's did, degrees."""
     assert seen.teacher is not None
-    mirror, showed = Mirror(body), at_ticks(seen.teacher, body.tick_s)
-    parts = [part for part in mirror.parts if part in showed]
-    frames = min(len(angles), len(showed[parts[0]]))
-    wanted = np.stack([showed[part][:frames] for part in parts], 1)
-    shown = mirror.shown(angles[:frames])[:, [mirror.parts.index(part) for part in parts]]
-    return float(np.rad2deg(angles_between(shown, wanted).mean()))
+    mirror, showed, frames = Mirror(body), at_ticks(seen.teacher, body.tick_s), len(angles)
+    aims = {part: showed[part][:frames] for part in mirror.parts if part in showed}
+    return float(limbs_off_deg(mirror, angles[: len(next(iter(aims.values())))], aims).mean())

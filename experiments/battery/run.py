@@ -60,7 +60,7 @@ def run(config: Config) -> Result:
         raise ExperimentError(f"nobody lived: {' | '.join(failed)}")
     frame = tidy(rows, {one.agent: one.factors for one in cells} if varied else None)
     took_s, count = time.perf_counter() - began, len(adults) + len(filmed) + len(wards) + len(shards)
-    battery = Battery(config, frame, tuple(varied), tuple(failed), count, took_s)
+    battery = Battery(config, frame, tuple(failed), count, took_s)
     drawn = figures(battery) if config.only is None else {}
     written = files(frame, explained(Parameters)) | {"effects.csv": lambda path: comma(battery.effects, path)}
     return Result(battery.metrics, summarise(battery), drawn, None, written, words(battery), tuple(failed))

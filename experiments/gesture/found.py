@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babbling.axes import BoolArray, FloatArray, IntArray
-from babbling.mirroring import angles_between
 from experiments.gesture.options import Config
 from experiments.shared.minds import Learned, factors_of
+from experiments.shared.mirrors import limbs_off_deg
 from experiments.shared.oracle import at_ticks
 from experiments.shared.trajectories import trajectories
 from experiments.shared.watching import Seen
@@ -74,8 +74,7 @@ class Performed:
         compared |= {"line": (self.peer.truth[:, 0], wanted), "steadied": (self.imitated, steadied)}
         found = {"least": slowed(oracle.best_deg, self.seen.slowed).clip(0)}
         for who, (angles, aims) in compared.items():
-            shown = mirror.shown(angles)[:, [mirror.parts.index(part) for part in aims]]
-            found[who] = np.rad2deg(angles_between(shown, np.stack([*aims.values()], 1)))
+            found[who] = limbs_off_deg(mirror, angles, aims)
         return found
 
     @cached_property

@@ -101,6 +101,12 @@ class Pupil:
         return np.asarray(postures[:, [labels.index(joint) for joint in self.body.joints]])
 
 
+def limbs_off_deg(mirror: Mirror, angles: FloatArray, aims: Mapping[str, FloatArray]) -> FloatArray:
+    """(T, P) degrees between where a body's parts point at (T, J) joint angles and (T, 3) aims, by part."""
+    shown = mirror.shown(angles)[:, [mirror.parts.index(part) for part in aims]]
+    return np.asarray(np.rad2deg(angles_between(shown, np.stack([*aims.values()], 1))))
+
+
 def correspondence_metrics(seen: Seen, tick_s: float) -> dict[str, Any]:
     """How well limb directions could be met at all, by the oracle and by the learned correspondence where inverse
     kinematics can reach; zeros when joint angles were given.
