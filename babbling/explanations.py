@@ -22,7 +22,7 @@ import numpy as np
 
 from babbling.axes import BoolArray, FloatArray, IntArray, same_axes
 from babbling.errors import BabblingError
-from babbling.features import BEFORE, COLUMNS, LINES, Echo, names, weighing
+from babbling.features import BEFORE, COLUMNS, LINES, PLAYS, Echo, along, names, weighing
 from babbling.forward_model import ForwardModel, Rows
 from babbling.frame import RIDGE, Frame, whole
 from babbling.kinds import Numbers
@@ -37,8 +37,7 @@ SURPRISE = 36.0
 """Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
 UNBELIEVED = 1e15
 """Nats of evidence against an explanation that is not to be asked."""
-NOTICED = 1e-3
-"""An explanation that is less probable is not asked."""
+NOTICED = 1e-3  # an explanation that is less probable is not asked
 _BEFORE, _OWN = len(BEFORE), len(COLUMNS)
 
 
@@ -244,7 +243,7 @@ class Explanations:
     def at(self, posture: FloatArray, rate: FloatArray, echo: Echo) -> "Outlook":
         """What may come of (..., F) postures and rates, given what earlier commands left."""
         before = self.features.before(posture, rate, echo)
-        fixed = (before * self._averaged[:, :_BEFORE]).sum(-1) + weighing(posture) @ self._averaged[:, _OWN:].T
+        fixed = along(before, self._averaged[:, :_BEFORE]) + weighing(posture) @ self._averaged[:, _OWN:].T
         return Outlook(self, posture, echo, before, fixed)
 
 
@@ -263,34 +262,39 @@ class Outlook(NamedTuple):
     def expected(self, command: FloatArray) -> FloatArray:
         """(n..., ..., F) E[w | x] of commands."""
         known = self.explanations
-        plays = known.features.plays(self.echo, command) - self.posture[..., None]
-        mean = self.fixed + (known.features.acted(plays) * known._averaged[:, _BEFORE:_OWN]).sum(-1)
+        plays, (line, bent) = self._plays(command), np.split(known._averaged[:, _BEFORE:_OWN], [len(PLAYS)], axis=-1)
+        effort = known.features.effort(plays)
+        mean = self.fixed + along(plays, line) + along(known.features.dead(effort), bent)
         trusted = known.weights[:, -1]
         if trusted.any():
-            mean = mean + trusted * self._rows(mean.shape).expected(self._effort(plays))
+            mean = mean + trusted * self._rows(mean.ndim).expected(self._bent(effort))
         return np.asarray(mean)
 
     @property
     def usual(self) -> FloatArray:
         """(..., F) the action c - q that one is used to here."""
-        return np.asarray((self.before * self.explanations.habit[0]).sum(-1))
+        return np.asarray(along(self.before, self.explanations.habit[0]))
 
     def familiarity(self, command: FloatArray) -> FloatArray:
         """(..., F) visits that the cell nearest to (..., F) commands had while babbling."""
-        plays = self.explanations.features.plays(self.echo, command) - self.posture[..., None]
-        return self._rows(command.shape).familiarity(self._effort(plays))
+        return self._rows(command.ndim).familiarity(self._effort(command))
 
     def beyond(self, command: FloatArray) -> BoolArray:
         """(..., F) where (..., F) commands are off the table's axes, and the table is trusted."""
-        plays = self.explanations.features.plays(self.echo, command) - self.posture[..., None]
-        inside = self._rows(command.shape).cells.on(self.explanations.table.action, self._effort(plays)).inside
+        inside = self._rows(command.ndim).cells.on(self.explanations.table.action, self._effort(command)).inside
         return np.asarray(~inside & (self.explanations.weights[:, -1] > 0))
 
-    def _rows(self, shape: tuple[int, ...]) -> Rows:
-        rate = np.arcsinh(self.before[..., 1] / self.explanations.frame.bend[:, 0])
-        return self.explanations.table.at((np.broadcast_to(rate, shape),))
+    def _plays(self, command: FloatArray) -> FloatArray:
+        return self.explanations.features.plays(self.echo, command) - self.posture[..., None]
 
-    def _effort(self, plays: FloatArray) -> FloatArray:
-        known = self.explanations
-        beyond = known.features.effort(plays) - (self.before * known.frame.centre).sum(-1)
-        return np.asarray(np.arcsinh(beyond / known.frame.bend[:, 1]))
+    def _rows(self, ndim: int) -> Rows:
+        """The table where one is, for so many axes of commands: where that is does not depend on them."""
+        rate = np.arcsinh(self.before[..., 1] / self.explanations.frame.bend[:, 0])
+        return self.explanations.table.at((np.expand_dims(rate, tuple(range(ndim - rate.ndim))),))
+
+    def _effort(self, command: FloatArray) -> FloatArray:
+        return self._bent(self.explanations.features.effort(self._plays(command)))
+
+    def _bent(self, effort: FloatArray) -> FloatArray:
+        frame = self.explanations.frame
+        return np.asarray(np.arcsinh((effort - along(self.before, frame.centre)) / frame.bend[:, 1]))

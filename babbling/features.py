@@ -56,6 +56,11 @@ def weighing(posture: FloatArray) -> FloatArray:
     return np.concatenate([np.sin(posture), np.cos(posture)], axis=-1)
 
 
+def along(columns: FloatArray, line: FloatArray) -> FloatArray:
+    """(..., F) sums of (..., F, C) columns, each weighed by its (F, C)."""
+    return np.asarray(np.einsum("...fc,fc->...f", columns, line))
+
+
 class Echo(NamedTuple):
     """What earlier commands left: all that a body without a memory of its own needs of the past."""
 
@@ -104,12 +109,16 @@ class Features:
 
     def acted(self, plays: FloatArray) -> FloatArray:
         """(..., F, PLAYS + DEAD) of (..., F, J) plays minus posture."""
-        effort = self.effort(plays)[..., None]
-        return np.concatenate([plays, effort - np.clip(effort, -self.zones, self.zones)], axis=-1)
+        return np.concatenate([plays, self.dead(self.effort(plays))], axis=-1)
+
+    def dead(self, effort: FloatArray) -> FloatArray:
+        """(..., F, Z) what dead zones let through of (..., F) efforts."""
+        effort = effort[..., None]
+        return np.asarray(effort - np.minimum(np.maximum(effort, -self.zones), self.zones))
 
     def effort(self, plays: FloatArray) -> FloatArray:
         """(..., F) e of (..., F, J) plays minus posture."""
-        return np.asarray((plays * self.share).sum(-1))
+        return along(plays, self.share)
 
     def of(self, posture: FloatArray, rate: FloatArray, command: FloatArray) -> FloatArray:
         """(T, B, F, COLUMNS + 2 F) of a run from rest: (T, B, F) postures, rates and the commands given there."""

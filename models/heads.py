@@ -16,6 +16,7 @@ from models.biclops.room import Ball, hang_balls, seat_teacher
 from models.loading import compiled, hung
 from models.retina import camera_id
 from models.robots import ROBOTS, head_of
+from models.servos import resting
 
 CARD: Final = "card"
 """A grey card that can be held before a face: a mocap body, parked where nobody sees it."""
@@ -35,7 +36,7 @@ def stage(robot: str, *, teacher: bool = False, distance: float = 0.8, balls: Se
     origin = np.array(facts.table)
     moved = [replace(ball, position=tuple((np.array(ball.position) + origin).tolist())) for ball in balls]
     if facts.room is None:
-        scene = hung(ROBOTS[robot])
+        scene = _welded(hung(ROBOTS[robot]), facts.motors)
         _surround(scene, origin)
     else:
         scene = mujoco.MjSpec.from_file(str(facts.room))
@@ -73,6 +74,32 @@ def squint(model: mujoco.MjModel, robot: str, seed: int) -> None:
         nod, roll = rng.uniform(-ASKEW_DEG, ASKEW_DEG, 2)
         turn = np.deg2rad([nod, inwards * rng.uniform(*TOE_IN_DEG), roll])  # of a camera: x right, y up, z back
         mujoco.mju_quatIntegrate(model.cam_quat[camera_id(model, eye)], turn, 1.0)
+
+
+def _welded(scene: mujoco.MjSpec, moving: Sequence[str]) -> mujoco.MjSpec:
+    """All but these joints fixed where they are at rest: whoever sits still and looks about needs no others, and a head
+    of two joints takes a tenth of the time of a whole humanoid."""
+    model = scene.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = resting(model)
+    mujoco.mj_kinematics(model, data)
+    for body in scene.bodies:
+        still = [joint for joint in body.joints if joint.name not in moving]
+        if not still:
+            continue
+        parent = int(model.body_parentid[body.id])
+        place, turn = np.zeros(3), np.zeros(4)
+        mujoco.mju_negPose(place, turn, data.xpos[parent], data.xquat[parent])
+        mujoco.mju_mulPose(body.pos, body.quat, place, turn, data.xpos[body.id], data.xquat[body.id])
+        body.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+        for joint in still:
+            scene.delete(joint)
+    gone = {model.joint(j).name for j in range(model.njnt)}.difference(moving)
+    idle = {motor.name for motor in scene.actuators if motor.target in gone}
+    of_none = [sensor for sensor in scene.sensors if sensor.objname in gone | idle]
+    for thing in [*of_none, *(scene.actuator(name) for name in idle), *scene.keys]:  # keys: it is born as it rests
+        scene.delete(thing)
+    return scene
 
 
 def _surround(scene: mujoco.MjSpec, origin: np.ndarray) -> None:

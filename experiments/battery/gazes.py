@@ -16,7 +16,7 @@ from experiments.shared.caregiver import TURN_S
 from experiments.shared.eyes import learn_to_look, nursery
 from imitation.gaze.reader import EyeLore
 
-HEADS, LESSONS = 8, 100
+HEADS, LESSONS = 4, 60
 """Copies that babble saccades at once. Looks at a caregiver who repeats one's posture."""
 COUNT = COPIES
 """Trials of each cloth."""

@@ -30,9 +30,9 @@ from models.objects.states import Watched
 
 GLIMPSE_MINUTES = 0.3
 """Before a mirror, of those who are said to have had none."""
-ADULT_ROUNDS = 4
-"""Of an adult's play."""
-EACH, MEANS, CARELESS = 1, 6, 12
+LONGER = 2
+"""An adult has played so many times as long."""
+EACH, MEANS, CARELESS = 1, 4, 12
 """Tries of every primitive with a thing, more of those that bring its target about, and, of adults, careless ones."""
 
 
@@ -134,7 +134,7 @@ class Adult:
 
 def adult(life: Life) -> Adult:
     """Grown like all, played longer, and shows what there is to be seen."""
-    longer = replace(life, how=replace(life.how, play_rounds=max(ADULT_ROUNDS, life.how.play_rounds)))
+    longer = replace(life, how=replace(life.how, play_rounds=LONGER * life.how.play_rounds))
     child = grown(longer).child
     tries = pool(child, life.seed, played_with(life), CARELESS)
     shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),

@@ -48,7 +48,7 @@ def movements(who: Grown) -> Iterator[Trial]:
     hardly, line = hardly_babbled(life), inverse_line(who.mind.forward_model)
     rehearsers = body_of(life.body, REHEARSERS, stream=1)
     eager = best_eagerness(rehearsers, who.mind, line, life.seed, life.how.rehearsal_s)
-    for name in SHOWN:
+    for name in SHOWN[: life.how.movements]:
         yield from _imitated(who, name, body, hardly, {"inverse": line, "eagerness": eager})
 
 

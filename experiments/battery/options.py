@@ -24,8 +24,8 @@ class Config(ShardOptions):
     """What agents go through beside babbling: movements, gaze, face, objects (and what somebody meant to do)."""
     vary: Annotated[tuple[str, ...], written("NAME=a,b,c ...", "nothing")] = ()
     """A parameter of agents and the values it takes; several are crossed, with the same seeds in all cells. NAME is one
-    of babbling_minutes, rehearsal_s, mirror_minutes, looking_minutes, gaze_lessons, face_acts, play_rounds, acts,
-    shown, exponent, trust, own_weight, gives_up, goes_on, repeats, all_somebody, as_itself, even_goals, forgets,
+    of babbling_minutes, rehearsal_s, mirror_minutes, movements, looking_minutes, gaze_lessons, face_acts, play_rounds,
+    acts, shown, exponent, trust, own_weight, gives_up, goes_on, repeats, all_somebody, as_itself, even_goals, forgets,
     aim_deg, seeing_noise_deg."""
     only: Annotated[int | None, within(0, 100_000_000), written("N", "all of them")] = None
     """One agent alone, by its number: its rows, no figures."""

@@ -20,7 +20,9 @@ class Parameters:
     """Length of the movements that it makes up to rehearse."""
     mirror_minutes: Annotated[float, within(2, 600)] = 6.0
     """Body-minutes before a mirror, and twice again of looking at one's own hands, head and arms."""
-    looking_minutes: Annotated[float, within(1, 600)] = 5.0
+    movements: Annotated[int, within(1, 2)] = 2
+    """Movements of other robots that it is shown."""
+    looking_minutes: Annotated[float, within(1, 600)] = 3.0
     """Body-minutes of saccades."""
     gaze_lessons: Annotated[int, within(20, 1000)] = 40
     """Looks of a teacher's of which it is shown afterwards what was meant."""
@@ -61,6 +63,6 @@ class Parameters:
 LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
          "as_itself", "even_goals", "forgets")  # fmt: skip
 """What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
-QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=4.0, mirror_minutes=4.0, looking_minutes=1.5, play_rounds=1,
-                   gaze_lessons=24, face_acts=300)  # fmt: skip
+QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=4.0, mirror_minutes=4.0, movements=1, looking_minutes=1.5,
+                   play_rounds=1, gaze_lessons=24, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""
