@@ -80,17 +80,22 @@ class Grown:
 
 def grown(life: Life) -> Grown:
     """Body babbling, watching oneself, play."""
-    quiet, how = (lambda share: None), life.how
-    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES, rehearsal_s=how.rehearsal_s).mind
-    mirrored = look_into_mirror(life.body, mind.pilot, how.mirror_minutes, how.seeing_noise_deg)
+    child = _child(life)
+    mind, minutes = child.mind, life.how.mirror_minutes
+    mirrored = look_into_mirror(life.body, mind.pilot, minutes, life.how.seeing_noise_deg)
     limbs, glimpsed = image_of(mirrored, life.body, mind.pilot), None
     with suppress(BabblingError):
         glimpsed = image_of(mirrored.first(GLIMPSE_MINUTES), life.body, mind.pilot)
-    outline = look_at_hands(mind, life.seed, outline=True, minutes=how.mirror_minutes)
-    image = look_at_hands(mind, life.seed, minutes=how.mirror_minutes)
-    play = play_on(mind, image, empty(mind, played_with(life)), played_with(life), how.play_rounds, life.seed, 1)
-    child = Child(mind, image, play)
+    outline = look_at_hands(mind, life.seed, outline=True, minutes=minutes)
     return Grown(life, mind, limbs, glimpsed, outline, child, pool(child, life.seed, life.things))
+
+
+def _child(life: Life) -> Child:
+    """Who has babbled, looked at its hands, and played."""
+    quiet, how, things = (lambda share: None), life.how, played_with(life)
+    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES, rehearsal_s=how.rehearsal_s).mind
+    image = look_at_hands(mind, life.seed, minutes=how.mirror_minutes)
+    return Child(mind, image, play_on(mind, image, empty(mind, things), things, how.play_rounds, life.seed, 1))
 
 
 def played_with(life: Life) -> tuple[str, ...]:
@@ -135,7 +140,7 @@ class Adult:
 def adult(life: Life) -> Adult:
     """Grown like all, played longer, and shows what there is to be seen."""
     longer = replace(life, how=replace(life.how, play_rounds=LONGER * life.how.play_rounds))
-    child = grown(longer).child
+    child = _child(longer)
     tries = pool(child, life.seed, played_with(life), CARELESS)
     shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),
              ("room", "press with the head", "lit by head", ROOM_TABLE_M))  # fmt: skip
