@@ -15,6 +15,7 @@ from experiments.battery.found import Battery, enough, only
 from experiments.battery.infants import Cell, Rate, Sign
 from experiments.battery.intervals import Estimate
 from experiments.battery.power import Power, power, power_figure
+from experiments.battery.sensitivity import changes, sensitivity_figure
 from experiments.battery.table import IMITATOR, WHOLE
 from experiments.shared.figures import MARKS, captioned
 from experiments.shared.palette import CYCLE, DARK, OURS, PLAIN, THEIRS
@@ -45,6 +46,8 @@ def figures(done: Battery) -> dict[str, Figure]:
             found[name] = ablations(part, title, rng=np.random.default_rng(0))
     if compared := powers(done, rng=np.random.default_rng(0)):
         found["power"] = power_figure(compared)
+    if changed := changes(done, rng=np.random.default_rng(0)):
+        found["sensitivity"] = sensitivity_figure(changed)
     for factor in done.factors:
         found[f"vary_{factor}"] = varied(enough(only(done.frame, factor), factor), factor, rng=np.random.default_rng(0))
     return found

@@ -25,6 +25,8 @@ class Battery:
     """Shards that failed, in words."""
     shards: int
     took_s: float
+    busy_s: float | None
+    """Processor time of all workers, that of starting them too; None where they were elsewhere."""
 
     @property
     def factors(self) -> list[str]:
@@ -62,10 +64,21 @@ class Battery:
             "trials": len(self.frame),
             "rows": [told(row) for row in self.rows],
             "effects": self.effects.astype(object).where(self.effects.notna(), None).to_dict("records"),
-            "shards": self.shards,
             "failed": list(self.failed),
             "took_s": self.took_s,
+            "workers": self.config.workers,
+            "shards": self.shards,
+            **self._spent,
         }
+
+    @property
+    def _spent(self) -> dict[str, float | None]:
+        """How much of the workers' time was work, and what of it each shard cost beside: being sent, waiting for the
+        last ones. It says little where most was done before."""
+        there = self.config.workers * self.took_s
+        share = None if self.busy_s is None else self.busy_s / there
+        over = None if self.busy_s is None else 1000 * max(there - self.busy_s, 0) / self.shards
+        return {"efficiency_factor": share, "shard_overhead_ms": over}
 
 
 def only(frame: pd.DataFrame, factor: str) -> pd.DataFrame:

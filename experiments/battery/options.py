@@ -1,9 +1,9 @@
 """Options of `imitate battery`."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from experiments.battery.parameters import Parameters
-from experiments.battery.vary import parse
+from experiments.battery.parameters import ELSE, QUICK, Parameters
+from experiments.battery.vary import around, parse
 from experiments.errors import ExperimentError
 from experiments.shared.options import Flag, ShardOptions, options, some, within, written
 
@@ -27,6 +27,9 @@ class Config(ShardOptions):
     of babbling_minutes, rehearsal_s, mirror_minutes, movements, looking_minutes, gaze_lessons, face_acts, play_rounds,
     acts, shown, exponent, trust, own_weight, gives_up, goes_on, repeats, all_somebody, as_itself, even_goals, forgets,
     aim_deg, seeing_noise_deg."""
+    one_by_one: Flag = False
+    """Vary one parameter at a time, instead of crossing them; where --vary names none, every one of them, to half and
+    twice what it is: how much results depend on each."""
     only: Annotated[int | None, within(0, 100_000_000), written("N", "all of them")] = None
     """One agent alone, by its number: its rows, no figures."""
 
@@ -36,6 +39,17 @@ class Config(ShardOptions):
         parse(self.vary, Parameters)
         if self.only is not None and self.out is None:
             raise ExperimentError(f"--only {self.only}: name a folder of its own for it, with --out")
+
+    @property
+    def varied(self) -> dict[str, tuple[Any, ...]]:
+        """Parameters, and the values that each takes."""
+        said = parse(self.vary, Parameters)
+        return around(self.parameters, ELSE) if self.one_by_one and not said else said
+
+    @property
+    def parameters(self) -> Parameters:
+        """Of who is not varied."""
+        return QUICK if self.quick else Parameters()
 
     @property
     def population(self) -> int:

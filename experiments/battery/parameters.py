@@ -66,3 +66,5 @@ LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_o
 QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=4.0, mirror_minutes=2.5, movements=1, looking_minutes=1.5,
                    play_rounds=1, gaze_lessons=20, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""
+ELSE = {"forgets": 0.5, "seeing_noise_deg": 5.0}
+"""What those may be that are 0."""

@@ -1,5 +1,6 @@
 """Every stage of the chapter, one growing mind each, populations beside infants (chapter, sections 3.4 and 4)."""
 
+import os
 import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -11,10 +12,10 @@ from experiments.battery.figures import figures
 from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
-from experiments.battery.parameters import FEW_THINGS, QUICK, THINGS, Parameters
+from experiments.battery.parameters import FEW_THINGS, THINGS, Parameters
 from experiments.battery.shards import Shard, lived
 from experiments.battery.table import comma, files, tidy
-from experiments.battery.vary import designs, parse
+from experiments.battery.vary import designs
 from experiments.errors import ExperimentError
 from experiments.face.watching import Look
 from experiments.shared.dealing import Failure
@@ -35,9 +36,10 @@ def run(config: Config) -> Result:
         ExperimentError: nobody could be watched, or nobody lived.
     """
     config.check()
-    began, base, first = time.perf_counter(), QUICK if config.quick else Parameters(), BETWEEN * (config.seed % SEEDS)
-    varied = parse(config.vary, Parameters)
-    cells = designs(varied, base, config.population)
+    began, worked, base = time.perf_counter(), _worked_s(), config.parameters
+    first = BETWEEN * (config.seed % SEEDS)
+    varied = config.varied
+    cells = designs(varied, base, config.population, one_by_one=config.one_by_one)
     things = FEW_THINGS if config.quick else THINGS
     lives = [Life(one.agent, first + one.block, one.parameters, things) for one in cells]
     if config.only is not None and config.only >= len(lives):
@@ -60,15 +62,21 @@ def run(config: Config) -> Result:
         raise ExperimentError(f"nobody lived: {' | '.join(failed)}")
     frame = tidy(rows, {one.agent: one.factors for one in cells} if varied else None)
     took_s, count = time.perf_counter() - began, len(adults) + len(filmed) + len(wards) + len(shards)
-    battery = Battery(config, frame, tuple(failed), count, took_s)
+    busy_s = _worked_s() - worked if config.scheduler is None else None
+    battery = Battery(config, frame, tuple(failed), count, took_s, busy_s)
     drawn = figures(battery) if config.only is None else {}
     written = files(frame, explained(Parameters)) | {"effects.csv": lambda path: comma(battery.effects, path)}
     return Result(battery.metrics, summarise(battery), drawn, None, written, words(battery), tuple(failed))
 
 
+def _worked_s() -> float:
+    """Processor time of this process and of those that it has begun and that have ended, s."""
+    return sum(os.times()[:4])
+
+
 def alone(config: Config, life: Life) -> str:
     """The command that lives this one alone."""
-    vary = ["--vary", *config.vary] if config.vary else []
+    vary = [*["--vary"] * bool(config.vary), *config.vary, *["--one-by-one"] * config.one_by_one]
     words = [*["--quick"] * config.quick, "--stages", *config.stages, *vary, "--agents", config.population,
              "--seed", config.seed, "--only", life.agent, "--out", f"runs/agent-{life.agent}"]  # fmt: skip
     return f"imitate battery {' '.join(map(str, words))}"

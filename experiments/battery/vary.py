@@ -58,22 +58,58 @@ def parse(said: Sequence[str], kind: type) -> dict[str, tuple[Any, ...]]:
     return found
 
 
-def designs(varied: Mapping[str, Sequence[Any]], parameters: Parameters, agents: int) -> list[Design[Parameters]]:
+def designs(
+    varied: Mapping[str, Sequence[Any]], parameters: Parameters, agents: int, *, one_by_one: bool = False
+) -> list[Design[Parameters]]:
     """Every combination of values (full factorial) for `agents` agents each, in order of their numbers.
 
     Args:
         varied: as `parse` leaves it; nothing varied is one cell.
         parameters: what holds where nothing is varied; a dataclass.
         agents: of each cell.
+        one_by_one: no combinations: a cell in which nothing is varied, and one for each other value of each.
     """
-    cells = [dict(zip(varied, values, strict=True)) for values in product(*varied.values())]
+    if one_by_one:
+        rest = ((name, value) for name, values in varied.items() for value in values)
+        cells = [{}, *({name: value} for name, value in rest if value != getattr(parameters, name))]
+    else:
+        cells = [dict(zip(varied, values, strict=True)) for values in product(*varied.values())]
     held: list[Any] = [replace(parameters, **cell) for cell in cells]  # type: ignore[type-var]
-    told = [{name: _told(value) for name, value in cell.items()} for cell in cells]
+    told = [{name: _told(getattr(one, name)) for name in varied} for one in held]
     return [
         Design(block * len(cells) + cell, block, dict(told[cell]), held[cell])
         for block in range(agents)
         for cell in range(len(cells))
     ]
+
+
+def around(parameters: Any, nothing: Mapping[str, Any]) -> dict[str, tuple[Any, ...]]:
+    """Of every parameter, what it is, and half and twice of that as far as its rule allows; bools are turned round.
+
+    Args:
+        parameters: a dataclass as `parse` takes them.
+        nothing: what those may be that are 0, of which there is no half.
+    """
+    found = dict[str, tuple[Any, ...]]()
+    for name, kind in get_type_hints(type(parameters), include_extras=True).items():
+        value = getattr(parameters, name)
+        if isinstance(value, bool):
+            others: tuple[Any, ...] = (not value,)
+        else:
+            others = (value / 2, 2 * value) if value else (nothing[name],)
+        found[name] = (
+            value,
+            *(other for other in map(type(value), others) if other != value and _may(name, kind, other)),
+        )
+    return found
+
+
+def _may(name: str, kind: Any, value: Any) -> bool:
+    try:
+        obey(name, kind, value)
+    except ExperimentError:
+        return False
+    return True
 
 
 def _names(kind: type) -> list[str]:

@@ -11,6 +11,8 @@ OURS, THEIRS, PLAIN, DARK = "#e8722a", "#3b6fd4", "#8a8a8a", "#222222"
 """Inks: what the imitator learned or did; the demonstration or another way; what is compared; the truth."""
 CYCLE = (OURS, THEIRS, "#30e087", "#7000ef", "#ad0000", "#ffbf0d", "#774589", "#b1c7ff")
 """One thing after the other (goals, rules, runs), on paper and on dark ground; told apart by all eyes."""
+LESS_TO_MORE = LinearSegmentedColormap.from_list("less to more", [THEIRS, "white", OURS])
+"""Of differences, about none."""
 FEATURES = {"red": "#b50000", "blue": "#0040ff", "green": "#40b77c", "yellow": "#e5af02", "magenta": "#b01fb0"}
 BALLS = {"orange": "#a8501c", "lime": "#8fbf1a", "cyan": "#04b4e0", "violet": "#9a3eff"}
 """Of features of a face, and of toys, that have these colours: each as far from the others as its name allows."""

@@ -17,11 +17,13 @@ from types import MappingProxyType
 from typing import Any, get_type_hints
 from weakref import WeakKeyDictionary
 
+import numpy as np
 import tyro
 from jinja2 import Environment, StrictUndefined, Template
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 from matplotlib.figure import Figure
+from matplotlib.image import imread, imsave
 
 from experiments.registry import EXPERIMENTS
 from experiments.shared.options import Options
@@ -30,7 +32,7 @@ from experiments.shared.palette import DARK
 FILMS = {".mp4": "video/mp4", ".gif": "image/gif"}
 DPI, LETTERS = 130, 14.5
 """Pixels of a figure, and letters of a caption, to an inch."""
-_DRAWN = WeakKeyDictionary[Figure, bytes]()
+_BARE, _DRAWN = WeakKeyDictionary[Figure, bytes](), WeakKeyDictionary[Figure, bytes]()
 FILMED = "The imitator, a ghost where the demonstration has it otherwise, and the teacher beside it."
 
 
@@ -83,18 +85,36 @@ def _html(markdown: str) -> Markup:
 def drawn(figure: Figure) -> bytes:
     """A figure as PNG, its caption (its label) under it: made once, for its file and the recording."""
     if figure not in _DRAWN:
-        _settle(figure)
-        lines = fill(str(figure.get_label()), round(LETTERS * figure.get_size_inches()[0]))
-        caption = figure.text(0.01, -0.015, lines, va="top", ha="left", fontsize=9, color=DARK)
-        _DRAWN[figure] = _png(figure)
-        caption.remove()
+        width = figure.get_size_inches()[0]
+        under = Figure(figsize=(width, 1), label="a caption")
+        lines = fill(str(figure.get_label()), round(LETTERS * width))
+        under.text(0.01, 0, lines, va="bottom", ha="left", fontsize=9, color=DARK)
+        _DRAWN[figure] = _stacked(_bare(figure), _png(under))
     return _DRAWN[figure]
 
 
 def bare(figure: Figure) -> str:
     """A figure without its caption, which stands under it as text."""
-    _settle(figure)
-    return base64.b64encode(_png(figure)).decode()
+    return base64.b64encode(_bare(figure)).decode()
+
+
+def _bare(figure: Figure) -> bytes:
+    if figure not in _BARE:
+        _settle(figure)
+        _BARE[figure] = _png(figure)
+    return _BARE[figure]
+
+
+def _stacked(*pictures: bytes) -> bytes:
+    """PNG, one under the other on white, from the left."""
+    parts = [imread(io.BytesIO(one)) for one in pictures]
+    height, width = sum(len(one) for one in parts), max(one.shape[1] for one in parts)
+    whole, top = np.ones((height, width, 4), np.float32), 0
+    for one in parts:
+        whole[top : top + len(one), : one.shape[1]] = one
+        top += len(one)
+    imsave(file := io.BytesIO(), whole, format="png", dpi=DPI)
+    return file.getvalue()
 
 
 def _settle(figure: Figure) -> None:

@@ -8,10 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import experiments.battery.figures as figures
 import experiments.battery.run as battery
 from experiments.__main__ import main
 from experiments.battery.faces import Ward
 from experiments.battery.life import Adult, Life
+from experiments.battery.sensitivity import Change
 from experiments.battery.shards import Shard
 from experiments.battery.table import IMITATOR, WHOLE, Trial
 from experiments.face.watching import Look, Looking
@@ -115,6 +117,31 @@ def test_cells_have_the_same_seeds_and_verdicts_are_of_the_first_alone(run: Run)
     [play] = [one for one in metrics["effects"] if one["between"] == "without" and one["condition"] == TOUCH[0]]
     assert play["n_a"] == play["n_b"] == 30 and abs(play["difference"]) > 0.3
     assert (folder / "vary_exponent.png").exists() and (folder / "power.png").exists()
+
+
+def test_one_by_one_it_shows_what_depends_on_which_parameter(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = list[Change]()
+    draw = figures.sensitivity_figure
+    monkeypatch.setattr(figures, "sensitivity_figure", lambda found: seen.extend(found) or draw(found))
+    status, folder = run("--agents", "30", "--one-by-one", "--vary", "exponent=0,2", "trust=0.5")
+    assert status == 0 and (folder / "sensitivity.png").exists()
+    found = table(folder)
+    assert len(found.groupby(["exponent", "trust"])) == 4 and found["agent"].nunique() == 120
+    by = {(one.parameter, one.value, str(one.cell)): one for one in seen}
+    assert len(by) == len(seen) and {one.usual for one in seen} == {1.0}
+    shares = found[found["task"] == "intention"].groupby(["exponent", "trust"])["hit"].mean()
+    for exponent in (0.0, 2.0):
+        one = by["exponent", exponent, "intention: failed"].difference
+        assert one.value == pytest.approx(shares[exponent, 1.0] - shares[1.0, 1.0])
+        assert not one.low <= 0 <= one.high
+    assert by["trust", 0.5, "intention: failed"].difference.value == 0
+
+
+def test_it_says_how_busy_its_workers_were(run: Run) -> None:
+    status, folder = run("--agents", "6")
+    told = json.loads((folder / "metrics.json").read_text())
+    assert status == 0 and told["workers"] == 1 and told["shards"] > 6
+    assert 0 < told["efficiency_factor"] < 1.5 and told["shard_overhead_ms"] >= 0
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,13 @@
 """`--vary`: what can be varied, all of it crossed, the same seeds in every cell."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, Literal
 
 import pytest
 
-from experiments.battery.vary import MOST_CELLS, designs, parse
+from experiments.battery.options import Config
+from experiments.battery.parameters import Parameters
+from experiments.battery.vary import MOST_CELLS, around, designs, parse
 from experiments.errors import ExperimentError
 from experiments.shared.options import within
 
@@ -38,6 +40,35 @@ def test_everything_is_crossed_and_an_agent_of_one_cell_has_its_like_in_every_ot
 def test_nothing_varied_is_one_cell() -> None:
     [one, two] = designs({}, Some(), 2)
     assert (one.agent, one.block, one.factors, one.parameters) == (0, 0, {}, Some()) and two.agent == 1
+
+
+def test_one_by_one_nothing_else_is_ever_varied() -> None:
+    usual = Some(noise=0.2)
+    varied = parse(["noise=0,0.2,0.5", "mirror=true,false"], Some)
+    found = designs(varied, usual, 2, one_by_one=True)
+    assert [one.parameters for one in found[:4]] == [
+        usual, replace(usual, noise=0.0), replace(usual, noise=0.5), replace(usual, mirror=False)
+    ]  # fmt: skip
+    assert [one.factors for one in found[:4]] == [
+        {"noise": 0.2, "mirror": "true"}, {"noise": 0.0, "mirror": "true"}, {"noise": 0.5, "mirror": "true"},
+        {"noise": 0.2, "mirror": "false"},
+    ]  # fmt: skip
+    assert [one.block for one in found] == [0] * 4 + [1] * 4 and [one.agent for one in found] == list(range(8))
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_every_parameter_of_an_agent_is_varied_about_what_it_is_within_its_bounds(quick: bool) -> None:
+    config = Config(quick=quick, one_by_one=True)
+    usual, found = config.parameters, config.varied
+    assert list(found) == [one.name for one in fields(Parameters)]
+    for name, (first, *others) in found.items():
+        assert first == getattr(usual, name) and others and first not in others
+        assert all(type(one) is type(first) for one in others)
+        assert parse([f"{name}={','.join(map(str, others))}"], Parameters)[name] == tuple(others)  # they are allowed
+    assert found["exponent"] == (1.0, 0.5, 2.0) and found["repeats"] == (0.8, 0.4)
+    assert Config(one_by_one=True, vary=("acts=1,3",)).varied == {"acts": (1, 3)}
+    with pytest.raises(KeyError):
+        around(Some(noise=0.0), {})
 
 
 @pytest.mark.parametrize(
