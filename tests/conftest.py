@@ -18,10 +18,10 @@ from matplotlib.figure import Figure
 import babbling.loop
 import experiments.shared.minds
 import imitation.acting.movement
-import imitation.acting.rehearsal
 import models.apart
 from babbling.mind import Mind, learn
 from experiments.stopping import STOPS
+from imitation.acting import rehearsal
 from models.errors import BodyError, Told
 from models.loading import load_body
 from tests.figures import faults
@@ -191,6 +191,10 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     replace(experiments.shared.minds, "SPARING", 0.0)
     replace(babbling.loop.bouts, "__defaults__", (150,))
     replace(imitation.acting.movement, "APPROACH_S", 1.0)
-    replace(imitation.acting.rehearsal.made_up_movement, "__defaults__", (1.0,))
+    for one in (rehearsal.made_up_movement, rehearsal.felt_errors, rehearsal.best_eagerness):
+        replace(one, "__defaults__", (1.0,))
+    replace(rehearsal.rehearse, "__defaults__", (*rehearsal.rehearse.__defaults__[:-1], 1.0))
+    usual = experiments.shared.minds.learn_mind.__kwdefaults__
+    replace(experiments.shared.minds.learn_mind, "__kwdefaults__", {**usual, "rehearsal_s": 1.0})
     save = Figure.savefig
     replace(Figure, "savefig", lambda figure, path, **_: save(figure, path, dpi=20))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from experiments.battery.effects import FEW, OTHER, SAME, Verdict, beside, sign
+from experiments.battery.effects import FEW, OTHER, SAME, Agreement, beside, sign
 from experiments.battery.infants import RATES, SIGNS, Cell, Rate, Sign
 from experiments.battery.intervals import FEWEST, Estimate, apart, of_mean
 from experiments.battery.table import IMITATOR, WHOLE
@@ -19,7 +19,7 @@ class Row(NamedTuple):
     simulated: Estimate | None
     """Rate, or difference; None where no agent was shown it."""
     agents: int
-    verdict: Verdict
+    verdict: Agreement
 
 
 def rows(frame: pd.DataFrame, rng: np.random.Generator) -> list[Row]:
@@ -39,7 +39,7 @@ def of(frame: pd.DataFrame, cell: Cell) -> pd.Series:
 def _rate(frame: pd.DataFrame, one: Rate, rng: np.random.Generator) -> Row:
     shares = of(frame, one.cell).to_numpy(float)
     if len(shares) < 2:
-        return Row(one, None, len(shares), Verdict("not shown"))
+        return Row(one, None, len(shares), Agreement("not shown"))
     found = of_mean(shares, rng, (0.0, 1.0), str(one.cell))
     return Row(one, found, len(shares), beside(found, one.share, one.n))
 
@@ -47,13 +47,13 @@ def _rate(frame: pd.DataFrame, one: Rate, rng: np.random.Generator) -> Row:
 def _sign(frame: pd.DataFrame, one: Sign, rng: np.random.Generator) -> Row:
     pair = pd.concat([of(frame, one.more), of(frame, one.less)], axis=1, join="inner").to_numpy(float)
     if len(pair) < 2:
-        return Row(one, None, len(pair), Verdict("not shown"))
+        return Row(one, None, len(pair), Agreement("not shown"))
     more, less = pair.T
     if len(pair) < FEWEST or np.ptp(more - less) == 0:  # too few, or too alike, to draw again from
         found = apart(*(of_mean(one, rng, (0.0, 1.0)) for one in (more, less)))
     else:
         found = of_mean(more - less, rng, (-1.0, 1.0))
-    return Row(one, found, len(pair), sign(found) if one.relation == ">" else Verdict(_alike(found)))
+    return Row(one, found, len(pair), sign(found) if one.relation == ">" else Agreement(_alike(found)))
 
 
 def _alike(difference: Estimate) -> str:

@@ -3,7 +3,6 @@
 The unit of analysis is the agent, by the mean over its trials: more trials tell more of an agent, not of more agents.
 """
 
-from collections.abc import Iterator
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -11,9 +10,10 @@ import numpy as np
 import pandas as pd
 
 from babbling.axes import FloatArray
-from experiments.battery.intervals import Estimate, apart, clopper_pearson, cohens_h, hedges_g, of_mean
+from experiments.battery.intervals import Estimate, apart, cohens_h, hedges_g, of_mean
 from experiments.battery.table import varied
 from experiments.errors import ExperimentError
+from experiments.shared.judging import interval_95
 from models.errors import unknown
 
 CELL = ("stage", "task", "condition", "who", "without")
@@ -119,7 +119,7 @@ def matched(a: pd.DataFrame, b: pd.DataFrame) -> tuple[FloatArray, FloatArray] |
     return None
 
 
-class Verdict(NamedTuple):
+class Agreement(NamedTuple):
     """A population beside published infants."""
 
     word: str
@@ -128,7 +128,7 @@ class Verdict(NamedTuple):
     """Their rate and its interval."""
 
 
-def beside(simulated: Estimate, rate: float | None, n: int | None) -> Verdict:
+def beside(simulated: Estimate, rate: float | None, n: int | None) -> Agreement:
     """Whether a simulated rate lies in the exact 95 % interval of a published one of n infants; outside where both
     intervals have no rate in common, too few to tell where they have.
 
@@ -141,27 +141,21 @@ def beside(simulated: Estimate, rate: float | None, n: int | None) -> Verdict:
         ExperimentError: a rate beyond [0, 1], or no infant.
     """
     if rate is None or n is None:
-        return Verdict(NOT_COMPARABLE)
+        return Agreement(NOT_COMPARABLE)
     if not 0 <= rate <= 1 or n < 1:
         raise ExperimentError(f"published rate {rate:g} of {n} infants: it must lie in [0, 1], of at least 1 infant")
-    published = Estimate(rate, *clopper_pearson(round(rate * n), n), "exact")
+    published = Estimate(rate, *interval_95(round(rate * n), n), "exact")
     if published.low <= simulated.value <= published.high:
-        return Verdict(INSIDE, published)
+        return Agreement(INSIDE, published)
     overlap = simulated.low <= published.high and published.low <= simulated.high
-    return Verdict(FEW if overlap else OUTSIDE, published)
+    return Agreement(FEW if overlap else OUTSIDE, published)
 
 
-def sign(difference: Estimate, *, positive: bool = True) -> Verdict:
-    """Whether a simulated difference a - b has the published sign, A > B where `positive`."""
+def sign(difference: Estimate) -> Agreement:
+    """Whether a simulated difference a - b has the published sign, A > B."""
     if difference.low <= 0 <= difference.high:
-        return Verdict(FEW)
-    return Verdict(SAME if (difference.low > 0) == positive else OTHER)
-
-
-def estimates(rows: pd.DataFrame, column: str = "mean") -> Iterator[Estimate]:
-    """Of `populations`, or of `differences` (column `difference`): number and interval of each row."""
-    for value, low, high in zip(rows[column], rows["low"], rows["high"], strict=True):
-        yield Estimate(value, low, high)
+        return Agreement(FEW)
+    return Agreement(SAME if difference.low > 0 else OTHER)
 
 
 def _named(told: dict[str, Any]) -> str:

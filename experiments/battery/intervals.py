@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from babbling.axes import FloatArray
 from experiments.errors import ExperimentError
+from experiments.shared.judging import interval_95
 
 LEVEL, RESAMPLES, FEWEST = 0.95, 2000, 20
 """Agents below whom a bootstrap is too narrow: bounds or t are used then."""
@@ -25,25 +26,13 @@ class Estimate(NamedTuple):
     method: str = ""
 
 
-def clopper_pearson(hits: float, n: float) -> tuple[float, float]:
-    """Exact interval of a rate, hits of n (Clopper and Pearson 1934), by the quantiles of beta distributions.
-
-    For n means in [0, 1] instead, whose sum is `hits`, it is too wide rather than too narrow: no numbers in [0, 1] vary
-    more about their mean than zeros and ones.
-    """
-    tail = (1 - LEVEL) / 2
-    low = stats.beta.ppf(tail, hits, n - hits + 1) if hits > 0 else 0.0
-    high = stats.beta.ppf(1 - tail, hits + 1, n - hits) if hits < n else 1.0
-    return float(low), float(high)
-
-
 def of_mean(
     values: FloatArray, rng: np.random.Generator, bounds: tuple[float, float] | None = None, what: str = "a mean"
 ) -> Estimate:
     """The mean of (n,) agents' numbers, whatever their order.
 
     Exact where every agent is at one of the bounds; by bootstrap over agents (BCa, Efron 1987) where they are FEWEST at
-    least and not all alike; or else by `clopper_pearson` between the bounds, by t where there are none.
+    least and not all alike; or else by `interval_95` between the bounds, by t where there are none.
 
     Args:
         values: one number for each agent.
@@ -64,7 +53,7 @@ def of_mean(
         mean = float(np.clip(mean, low, high))
         extreme = bool(np.isin(values, bounds).all())
         if extreme or n < FEWEST or alike:
-            first, last = clopper_pearson(n * (mean - low) / (high - low), n)
+            first, last = interval_95(n * (mean - low) / (high - low), n)
             width, method = high - low, "exact" if extreme else "bounds"
             return Estimate(mean, low + width * first, low + width * last, method)
     if n >= FEWEST and not alike:

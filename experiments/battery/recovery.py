@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 from babbling.axes import FloatArray, IntArray
 from experiments.battery.choices import Choices
 from experiments.battery.fit import Fit, Prior, exponents, fit, summary
-from experiments.battery.intervals import clopper_pearson
+from experiments.shared.judging import interval_95
 
 DRAWS, COARSE = 400, (20, 20, 16)
 """Replications; points of the grid for infants alone, whose few trials tell no more."""
@@ -46,7 +46,7 @@ class Recovery:
                 held = int(((low <= real) & (real <= high)).sum())
                 told[name][one.name] = {
                     "coverage": held / len(real),
-                    "interval": list(clopper_pearson(held, len(real))),
+                    "interval": list(interval_95(held, len(real))),
                     "correlation": float(np.corrcoef(one.turned(real), one.turned(middle))[0, 1]),
                 }
         return told

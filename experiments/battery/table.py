@@ -125,12 +125,6 @@ def comma(frame: pd.DataFrame, path: Path) -> None:
     frame.to_csv(path, index=False, encoding="utf-8", lineterminator="\r\n", na_rep="")
 
 
-def write(frame: pd.DataFrame, folder: Path, factors: Mapping[str, str] | None = None) -> None:
-    """Write all of `files` into a folder that is there."""
-    for name, writer in files(frame, factors).items():
-        writer(folder / name)
-
-
 def dictionary(frame: pd.DataFrame, factors: Mapping[str, str] | None = None) -> pd.DataFrame:
     """A row for every column of a table: its type, unit and meaning, and the values it has, numbers from least to
     greatest."""

@@ -34,13 +34,11 @@ class Failure:
     task: str
     """Its `label`, or else what it is as text."""
     cause: Exception
-    alone: str = ""
-    """The command that runs it alone: the task's `alone`, where it has one."""
 
     def __str__(self) -> str:
         why = " ".join(str(self.cause).split()) or "nothing is said"
         kind = "" if isinstance(self.cause, ExperimentError) else f"{type(self.cause).__name__}: "
-        return f"{self.task}: {kind}{why}" + (f"; alone: {self.alone}" if self.alone else "")
+        return f"{self.task}: {kind}{why}"
 
 
 class Under(Protocol):
@@ -110,7 +108,7 @@ def dealt(
 def failure(task: object, error: Exception) -> Failure:
     """What is said of a task that failed."""
     told = str(getattr(task, "label", "") or task)
-    return Failure(" ".join(told.split())[:LONGEST], error, str(getattr(task, "alone", "")))
+    return Failure(" ".join(told.split())[:LONGEST], error)
 
 
 def _next(ended: "SimpleQueue[int]", workers: Workers) -> int:

@@ -43,14 +43,18 @@ def ringing(error: FloatArray) -> FloatArray:
     return np.asarray(2 * np.sqrt(2 * np.mean((np.diff(error, 2, axis=0) / 4) ** 2, axis=0)))
 
 
-def interval_95(hits: int, count: int) -> tuple[float, float]:
-    """Exact 95 % interval of a share (Clopper and Pearson 1934); of nothing tried, all shares."""
-    if not count:
-        return 0.0, 1.0
-    from scipy.stats import binomtest  # takes half a second to load
+def interval_95(hits: float, count: float) -> tuple[float, float]:
+    """Exact 95 % interval of a share (Clopper and Pearson 1934), by the quantiles of beta distributions; of nothing
+    tried, all shares.
 
-    found = binomtest(hits, count).proportion_ci(0.95, "exact")
-    return float(found.low), float(found.high)
+    For `count` means in [0, 1] instead, whose sum is `hits`, it is too wide rather than too narrow: no numbers in
+    [0, 1] vary more about their mean than zeros and ones.
+    """
+    from scipy.special import betaincinv  # all of scipy.stats takes half a second to load
+
+    low = betaincinv(hits, count - hits + 1, 0.025) if hits > 0 else 0.0
+    high = betaincinv(hits + 1, count - hits, 0.975) if hits < count else 1.0
+    return float(low), float(high)
 
 
 def intervals_95(right: BoolArray) -> list[tuple[float, float]]:

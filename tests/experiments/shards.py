@@ -30,10 +30,6 @@ class Shard:
     def label(self) -> str:
         return f"seed {self.seed}"
 
-    @property
-    def alone(self) -> str:
-        return f"imitate it --seed {self.seed}"
-
 
 @dataclass(frozen=True)
 class Drawn:

@@ -17,12 +17,12 @@ from experiments.battery.effects import (
     beside,
     by_agent,
     differences,
-    estimates,
     populations,
     sign,
 )
-from experiments.battery.intervals import FEWEST, Estimate, apart, clopper_pearson, cohens_h, hedges_g, of_mean
+from experiments.battery.intervals import FEWEST, Estimate, apart, cohens_h, hedges_g, of_mean
 from experiments.errors import ExperimentError
+from experiments.shared.judging import interval_95
 
 
 def rng(seed: int = 0) -> np.random.Generator:
@@ -66,10 +66,10 @@ def test_no_interval_of_a_rate_leaves_it_or_is_a_point(n: int, rate: float) -> N
     for trials in (1, 3):
         hits = (rng(n).random((2, n, trials)) < rate).astype(float)
         frame = told({"shown": hits[0], "still": hits[1]})
-        for one in estimates(populations(frame, rng=rng())):
-            assert 0 <= one.low <= one.value <= one.high <= 1 and one.high - one.low > 0.01
-        for one in estimates(differences(frame, "condition", rng=rng()), "difference"):
-            assert -1 <= one.low <= one.value <= one.high <= 1 and one.high - one.low > 0.01
+        for one in populations(frame, rng=rng()).itertuples():
+            assert 0 <= one.low <= one.mean <= one.high <= 1 and one.high - one.low > 0.01
+        for one in differences(frame, "condition", rng=rng()).itertuples():
+            assert -1 <= one.low <= one.difference <= one.high <= 1 and one.high - one.low > 0.01
         later = pd.concat([told({"shown": hits[0]}), told({"still": hits[1]}, first=n)])
         [row] = differences(later, "condition", rng=rng()).to_dict("records")
         assert not row["paired"] and -1 <= row["low"] <= row["difference"] <= row["high"] <= 1
@@ -91,7 +91,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(n: int, mean: float, boun
 def test_bounds_are_never_narrower_than_the_exact_interval_of_the_same_mean() -> None:
     for n, hits in ((6, 0), (6, 3), (20, 20), (20, 7)):
         exact = stats.binomtest(hits, n).proportion_ci(0.95, "exact")
-        assert clopper_pearson(hits, n) == pytest.approx((exact.low, exact.high))
+        assert interval_95(hits, n) == pytest.approx((exact.low, exact.high))
         halves = np.full(n, hits / n)  # nobody differs, and yet not all is known
         found = of_mean(halves, rng(), (0.0, 1.0))
         assert (found.low, found.high) == pytest.approx((exact.low, exact.high))
@@ -184,6 +184,5 @@ def test_a_rate_is_inside_where_the_published_interval_has_it() -> None:
 
 
 def test_a_sign_needs_an_interval_on_one_side() -> None:
-    assert sign(Estimate(0.2, 0.1, 0.3)).word == sign(Estimate(-0.2, -0.3, -0.1), positive=False).word == SAME
-    assert sign(Estimate(-0.2, -0.3, -0.1)).word == sign(Estimate(0.2, 0.1, 0.3), positive=False).word == OTHER
+    assert sign(Estimate(0.2, 0.1, 0.3)).word == SAME and sign(Estimate(-0.2, -0.3, -0.1)).word == OTHER
     assert sign(Estimate(0.2, -0.1, 0.5)).word == sign(Estimate(0.2, 0.0, 0.5)).word == FEW

@@ -14,8 +14,9 @@ import pytest
 
 from babbling.errors import BabblingError
 from experiments.battery.reading import NEEDED, read
-from experiments.battery.table import IMITATOR, MEANING, WHOLE, Trial, dictionary, joined, tidy, write
+from experiments.battery.table import IMITATOR, MEANING, WHOLE, Trial, dictionary, joined, tidy
 from models.errors import BodyError
+from tests.tables import write
 
 TASK = 'dumbbell, "large"'
 

@@ -10,9 +10,10 @@ from PIL import Image
 
 from experiments.__main__ import main
 from experiments.battery.fit import MODELS
-from experiments.battery.table import IMITATOR, WHOLE, Trial, joined, tidy, write
+from experiments.battery.table import IMITATOR, WHOLE, Trial, joined, tidy
 from experiments.fit.options import Config
 from experiments.fit.run import run
+from tests.tables import write
 
 ACTS = ("head", "hand", "elbow")
 POINTS = (12, 12, 10)

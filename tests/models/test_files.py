@@ -153,6 +153,7 @@ OURS = {
     "babbling/whole.py: open", "experiments/shared/kept.py: open",  # written; a lock on a folder
     "experiments/shared/kept.py: read_bytes",  # the program itself, and what it just wrote
     "experiments/shared/report.py: read_bytes", "experiments/shared/report.py: read_text",  # what this run just wrote
+    "experiments/shared/report.py: imread",  # of its own figures
     "experiments/shared/report.py: from_string", "experiments/stopping.py: open", "experiments/command_line.py: open",
     "models/objects/scene.py: from_file", "models/loading.py: from_file", "models/heads.py: from_file",  # registered
     "models/biclops/room.py: from_file", "models/teachers/robots.py: buildModelFromMJCF",
