@@ -32,7 +32,10 @@ os.environ.setdefault("MUJOCO_GL", "disabled")
 CMU = Path(__file__).resolve().parents[2] / "shared" / "data" / "cmu"
 
 
-LONGEST_FIRST = ("notebook", "pages", "battery", "standing", "gesture", "babble", "notice", "shards")
+LONGEST_FIRST = (
+    *("babble", "battery", "conformance", "play_and_objects", "gesture", "standing", "intentions", "correspondence"),
+    *("notebook", "interruptions", "pages", "shards", "told", "environment"),
+)
 """Files of tests that take long: begun first, so that no process waits for them at the end."""
 
 
@@ -190,11 +193,11 @@ def hurry(replace: Callable[[Any, str, Any], None]) -> None:
     replace(experiments.shared.minds, "EVERY_S", 0.0)
     replace(experiments.shared.minds, "SPARING", 0.0)
     replace(babbling.loop.bouts, "__defaults__", (150,))
-    replace(imitation.acting.movement, "APPROACH_S", 1.0)
+    replace(imitation.acting.movement, "APPROACH_S", 0.5)
     for one in (rehearsal.made_up_movement, rehearsal.felt_errors, rehearsal.best_eagerness):
-        replace(one, "__defaults__", (1.0,))
-    replace(rehearsal.rehearse, "__defaults__", (*rehearsal.rehearse.__defaults__[:-1], 1.0))
+        replace(one, "__defaults__", (0.5,))
+    replace(rehearsal.rehearse, "__defaults__", (*rehearsal.rehearse.__defaults__[:-1], 0.5))
     usual = experiments.shared.minds.learn_mind.__kwdefaults__
-    replace(experiments.shared.minds.learn_mind, "__kwdefaults__", {**usual, "rehearsal_s": 1.0})
+    replace(experiments.shared.minds.learn_mind, "__kwdefaults__", {**usual, "rehearsal_s": 0.5})
     save = Figure.savefig
     replace(Figure, "savefig", lambda figure, path, **_: save(figure, path, dpi=20))

@@ -329,10 +329,10 @@ def test_what_is_missing_misshapen_or_no_number_is_named(name: str, kept: dict[s
     for turn, (variable, (values, wanted)) in enumerate(before.items()):
         kind = values.dtype.kind
         other = np.zeros(values.shape, "S2" if kind == "S" else np.float32)
-        spoiled = [None, (np.stack([values, values]), other)[turn % 2]]
+        spoiled = [None, np.stack([values, values]), other]
         if kind != "S" and values.size:
-            spoiled.append(np.full_like(values, {"f": (np.nan, -np.inf, 1e30)[turn % 3], "i": -(2**63)}[kind]))
-        for bad in spoiled:
+            spoiled.append(np.full_like(values, {"f": (np.nan, -np.inf, 1e30)[turn // 2 % 3], "i": -(2**63)}[kind]))
+        for bad in spoiled[turn % 2 :: 2]:
             path.write_bytes(kept[name].read_bytes())
             with h5py.File(path, "r+") as file:
                 del file[variable]

@@ -144,9 +144,8 @@ def test_a_finished_babble_is_left_as_it_is_and_one_of_other_options_replaced(
     said = capsys.readouterr()
     assert said.out == "" and said.err.count("\n") == 1 and "this very babble is finished" in said.err
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
-    for other in (["--seed", "1"], ["--sensor-noise-deg", "0.2"]):
-        assert main(command(arm, out, *other)) == 0
-        assert out.read_bytes() != before["arm.nc"]
+    assert main(command(arm, out, "--sensor-noise-deg", "0.2")) == 0
+    assert out.read_bytes() != before["arm.nc"]
     assert main(command(arm, out)) == 0
     assert out.read_bytes() == before["arm.nc"]
 
