@@ -14,6 +14,8 @@ from babbling.dynamics import LinearDynamics
 from babbling.kalman import Belief
 from babbling.schema import BodySchema
 
+LONG = 100
+"""Ticks after which a covariance has come to rest."""
 USUAL = 3.0
 """Standard deviations of a joint's bias while babbling."""
 
@@ -32,6 +34,26 @@ class StateEstimate:
         noise = np.zeros((len(schema.noise), 2, 2))
         noise[:, 0, 0], noise[:, 1, 1] = schema.noise**2, schema.rate_noise**2
         self.system = kalman.System(dynamics.transition, dynamics.noise, np.eye(2, 3), noise)
+
+    def doubt(self, kernel: FloatArray) -> FloatArray:
+        """(F,) variance of how far off believed postures are, once one has felt for long, averaged over successive
+        ticks with the weights of a kernel.
+
+        What a belief is off by, e, goes on as (1 - K H) F e, K the gain: Cov[e_{t+n}, e_t] = ((1 - K H) F)^n P.
+        """
+        nothing = np.zeros((1, len(self.dynamics.coasting)))
+        belief = self.start(nothing, nothing)
+        for _ in range(LONG):
+            belief, gain = kalman.update(
+                self.system, kalman.predict(self.system, belief), np.zeros((*nothing.shape, 2))
+            )
+        onward = (np.eye(3) - gain[0] @ self.system.observation) @ self.system.transition
+        apart, lagged = np.abs(np.subtract.outer(*2 * (np.arange(len(kernel)),))), belief.covariance
+        found = np.zeros(nothing.shape[1])
+        for lag in range(len(kernel)):
+            found += lagged[:, 0, 0] * (np.outer(kernel, kernel)[apart == lag]).sum()
+            lagged = onward @ lagged
+        return found
 
     def start(self, posture: FloatArray, rate: FloatArray) -> Belief:
         """Belief after the first (B, F) senses: they are all there is, and the bias is unknown."""

@@ -3,8 +3,10 @@
 Chapter, section 2.2: infants correct their response and converge on the match without feedback from the experimenter.
 Law, per factor with error e_n = goal - believed posture of attempt n, aim u_n, share L and a zero-phase smoothing S:
 
-    u_{n+1} = S(u* + L e*)      of the best attempt so far (u*, e*)
+    u_{n+1} = S(u* + L E[e* | felt])      of the best attempt so far (u*, e*)
+    S E[e | felt] = S e max(0, 1 - P / mean((S e)^2))      P the variance of S(believed - true posture)
 
+What is believed is not quite what is; an error that is no larger than that doubt is no error to aim against.
 An attempt that was worse than the best one is not built upon: L is halved and the next one starts from the best again.
 One that lasted longer is better, however large its error; what an early end left undone teaches nothing (e* = 0 there).
 """
@@ -44,8 +46,13 @@ class Practice(NamedTuple):
         nothing = np.zeros((ticks, copies, factors))
         return cls(nothing, nothing, nothing, 0, np.full((copies, factors), np.inf), np.full((copies, factors), SHARE))
 
-    def after(self, error: FloatArray) -> "Practice":
-        """Having missed by (t, B, F) errors, t <= T, with the present aim; the attempt ended after t ticks."""
+    def after(self, error: FloatArray, doubt: FloatArray | float = 0.0) -> "Practice":
+        """Having missed by (t, B, F) errors, t <= T, with the present aim; the attempt ended after t ticks.
+
+        Args:
+            error: goals less believed postures.
+            doubt: (F,) P; see `StateEstimate.doubt`.
+        """
         lasted = len(error)
         size = np.sqrt(np.mean(error**2, axis=0)) if lasted else np.full_like(self.size, np.inf)
         better = (lasted > self.lasted) | (lasted == self.lasted) & (size < self.size)
@@ -53,5 +60,7 @@ class Practice(NamedTuple):
         best_aim = np.where(better, self.aim, self.best_aim)
         best_error = np.where(better, missed, self.best_error)
         share = np.where(better, self.share, self.share / 2)
-        aim = convolve1d(best_aim + share * best_error, SMOOTHING, axis=0, mode="nearest")
-        return Practice(aim, best_aim, best_error, max(lasted, self.lasted), np.where(better, size, self.size), share)
+        aim, against = (convolve1d(one, SMOOTHING, axis=0, mode="nearest") for one in (best_aim, best_error))
+        sure = np.maximum(0, 1 - doubt / np.maximum(np.mean(against**2, axis=0), 1e-300))
+        best = max(lasted, self.lasted), np.where(better, size, self.size)
+        return Practice(aim + share * sure * against, best_aim, best_error, *best, share)

@@ -19,7 +19,7 @@ from babbling.body import Body
 from babbling.features import Echo
 from babbling.kalman import Belief
 from babbling.mind import Mind
-from imitation.acting.attempts import Practice
+from imitation.acting.attempts import SMOOTHING, Practice
 from imitation.acting.movement import Movement, approach
 from imitation.errors import ImitationError
 from imitation.inference.inverse import Term
@@ -255,7 +255,8 @@ def imitate(
     done = []
     for _ in range(attempts):
         done.append(_attempt(body, imitator, practice.aim, rng, witness, ended, heed))
-        practice = practice.after(goals[: len(done[-1].senses)] - done[-1].believed[..., 0])
+        missed = goals[: len(done[-1].senses)] - done[-1].believed[..., 0]
+        practice = practice.after(missed, imitator.estimate.doubt(SMOOTHING))
     return done
 
 

@@ -66,6 +66,24 @@ def test_the_filter_is_gaussian_conditioning_of_the_whole_past(seed: int) -> Non
     np.testing.assert_allclose(belief.covariance.reshape(3, 3), covariance[-3:, -3:], rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.parametrize("kernel", [[1.0], [0.25, 0.5, 0.25], [1 / 16, 4 / 16, 6 / 16, 4 / 16, 1 / 16]])
+def test_the_doubt_is_how_far_off_beliefs_are(kernel: list[float]) -> None:
+    """By living a long life with the very noise that is believed in."""
+    rng, sense, ticks, lives = np.random.default_rng(1), schema(0.02, 0.4), 300, 400
+    line = dynamics(rng)
+    estimate, x = StateEstimate(sense, line), np.zeros((lives, 3))
+    felt = x[:, None, :2] + rng.standard_normal((lives, 1, 2)) * [0.02, 0.4]
+    belief, off = estimate.start(felt[..., 0], felt[..., 1]), []
+    pushes = rng.multivariate_normal(np.zeros(3), line.noise[0], (ticks, lives))
+    for push in pushes:
+        x = x @ line.transition[0].T + line.offset[0] + push
+        felt = x[:, None, :2] + rng.standard_normal((lives, 1, 2)) * [0.02, 0.4]
+        belief = estimate.correct(estimate.predict(belief, np.zeros((lives, 1))), felt[..., 0], felt[..., 1])
+        off.append(belief.mean[:, 0, 0] - x[:, 0])
+    whole = np.lib.stride_tricks.sliding_window_view(np.array(off)[100:], len(kernel), axis=0) @ np.array(kernel)
+    assert estimate.doubt(np.array(kernel))[0] == pytest.approx(np.mean(whole**2), rel=0.05)
+
+
 def test_perfect_senses_are_believed_and_useless_ones_are_not() -> None:
     rng = np.random.default_rng(0)
     line = dynamics(rng, 2)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from babbling.axes import FloatArray
 from babbling.schema import BodySchema
-from imitation.acting.attempts import Practice
+from imitation.acting.attempts import SMOOTHING, Practice
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement, approach, slowed
 from imitation.acting.rehearsal import CALM, calmest
 from imitation.errors import ImitationError
@@ -142,6 +142,21 @@ def test_an_attempt_that_was_worse_is_not_built_upon() -> None:
     np.testing.assert_array_equal(second.best_error, good)
     np.testing.assert_allclose(second.aim, first.aim / 2)  # from aim 0: half the share of the same error
     np.testing.assert_array_equal(second.share, first.share / 2)
+
+
+def test_an_error_no_larger_than_the_doubt_is_not_aimed_against() -> None:
+    """A plant that does what it is told, felt through noise of a known size: practice leaves it alone, where without
+    the doubt it would learn the noise; and a real error is undone all the same."""
+    rng, sigma = np.random.default_rng(3), 0.1
+    doubt = np.full(2, sigma**2 * (SMOOTHING**2).sum())
+    true = np.stack([np.zeros((400, 1)), np.full((400, 1), 1.0)], -1)  # one that is right, one that is off by 1
+    felt = true + sigma * rng.standard_normal(true.shape)
+    sure, naive = (Practice.empty(400, 1, 2).after(felt, known).aim for known in (doubt, 0 * doubt))
+    wrong = [np.sqrt(np.mean(aim[..., 0] ** 2)) for aim in (sure, naive)]
+    assert wrong[0] < 0.01 and wrong[1] == pytest.approx(0.6 * np.sqrt(doubt[0]), rel=0.1)
+    np.testing.assert_allclose(sure[..., 1], naive[..., 1], rtol=0.01)
+    sure = Practice.empty(400, 1, 2).after(true, doubt).aim
+    np.testing.assert_allclose(sure[..., 1], 0.6 * (1 - doubt[1]))
 
 
 def test_lasting_longer_is_better_than_erring_less_and_what_did_not_happen_teaches_nothing() -> None:
