@@ -187,6 +187,12 @@ class Cells(NamedTuple):
         """`on` for (..., F) grid points of the axis: nothing lies between them."""
         return self._replace(corner=self.corner * axis.size + points, axes=self.axes + 1)
 
+    def ahead(self, more: int) -> "Cells":
+        """The same places, with room before them (so many dimensions) for values on a further axis, many at each."""
+        new = tuple(range(1, 1 + more))
+        shares = tuple(np.expand_dims(share, new) for share in self.shares)
+        return self._replace(corner=np.expand_dims(self.corner, new), shares=shares)
+
     def read(self, table: FloatArray) -> FloatArray:
         """Multilinear interpolation of `[factor, axes..., rest...]`: (..., F, rest...)."""
         rest, measured = table.shape[1 + self.axes :], len(self.shares)

@@ -33,10 +33,8 @@ PRIOR_STRENGTH = 20.0
 """Pseudo-counts of the table's linear-Gaussian prior."""
 BLOCK = 512
 """Experience is foretold and counted in blocks of at least so many transitions, and of a quarter of what is known."""
-SURPRISE = 36.0
-"""Squared error, in units of s_e^2, beyond which a transition says no more against an explanation."""
-UNBELIEVED = 1e15
-"""Nats of evidence against an explanation that is not to be asked."""
+SURPRISE = 36.0  # squared error, in units of s_e^2, beyond which a transition says no more against an explanation
+UNBELIEVED = 1e15  # nats of evidence against an explanation that is not to be asked
 NOTICED = 1e-3  # an explanation that is less probable is not asked
 _BEFORE, _OWN = len(BEFORE), len(COLUMNS)
 
@@ -244,7 +242,8 @@ class Explanations:
         """What may come of (..., F) postures and rates, given what earlier commands left."""
         before = self.features.before(posture, rate, echo)
         fixed = along(before, self._averaged[:, :_BEFORE]) + weighing(posture) @ self._averaged[:, _OWN:].T
-        return Outlook(self, posture, echo, before, fixed)
+        rows = self.table.at((np.arcsinh(before[..., 1] / self.frame.bend[:, 0]),))
+        return Outlook(self, posture, echo, before, fixed, rows, along(before, self.frame.centre))
 
 
 class Outlook(NamedTuple):
@@ -258,6 +257,10 @@ class Outlook(NamedTuple):
     """(..., F, BEFORE)."""
     fixed: FloatArray
     """(..., F) what is expected of no effort at all."""
+    rows: Rows
+    """The table at this rate."""
+    centre: FloatArray
+    """(..., F) the effort that one is used to here."""
 
     def expected(self, command: FloatArray) -> FloatArray:
         """(n..., ..., F) E[w | x] of commands."""
@@ -288,13 +291,10 @@ class Outlook(NamedTuple):
         return self.explanations.features.plays(self.echo, command) - self.posture[..., None]
 
     def _rows(self, ndim: int) -> Rows:
-        """The table where one is, for so many axes of commands: where that is does not depend on them."""
-        rate = np.arcsinh(self.before[..., 1] / self.explanations.frame.bend[:, 0])
-        return self.explanations.table.at((np.expand_dims(rate, tuple(range(ndim - rate.ndim))),))
+        return self.rows._replace(cells=self.rows.cells.ahead(ndim - self.fixed.ndim))
 
     def _effort(self, command: FloatArray) -> FloatArray:
         return self._bent(self.explanations.features.effort(self._plays(command)))
 
     def _bent(self, effort: FloatArray) -> FloatArray:
-        frame = self.explanations.frame
-        return np.asarray(np.arcsinh((effort - along(self.before, frame.centre)) / frame.bend[:, 1]))
+        return np.asarray(np.arcsinh((effort - self.centre) / self.explanations.frame.bend[:, 1]))
