@@ -166,7 +166,7 @@ def varied(frame: pd.DataFrame, factor: str, *, rng: np.random.Generator) -> Fig
         unit = here["unit"].iloc[0]
         axes.set(xlabel=factor.replace("_", " "), ylabel=f"error [{unit}]" if unit else "share", title=task)
         axes.set_yscale("log") if unit else axes.set_ylim(-0.03, 1.03)
-        axes.legend(frameon=False, fontsize=7)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False, fontsize=7)
         axes.grid(alpha=0.25)
     for axes in panels[len(tasks) :]:
         axes.set_visible(False)

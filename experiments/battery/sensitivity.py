@@ -63,7 +63,8 @@ def sensitivity_figure(found: Sequence[Change]) -> Figure:
         row, column = lines.index((one.parameter, one.value, one.usual)), cells.index(one.cell)
         table[row, column] = 100 * one.difference.value
         told = not one.difference.low <= 0 <= one.difference.high
-        axes.text(column, row, f"{table[row, column]:+.0f}", ha="center", va="center", fontsize=6,
+        said = f"{table[row, column]:+.0f}" if one.difference.value else ""
+        axes.text(column, row, said, ha="center", va="center", fontsize=6,
                   bbox={"boxstyle": "square,pad=0.35", "fc": "none", "lw": 0.8} if told else None)  # fmt: skip
     picture = axes.imshow(table, cmap=LESS_TO_MORE, vmin=-100, vmax=100, aspect="auto")
     named = [f"{name.replace('_', ' ')} {_short(value)} (usually {_short(usual)})" for name, value, usual in lines]
