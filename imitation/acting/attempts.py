@@ -61,6 +61,8 @@ class Practice(NamedTuple):
         best_error = np.where(better, missed, self.best_error)
         share = np.where(better, self.share, self.share / 2)
         aim, against = (convolve1d(one, SMOOTHING, axis=0, mode="nearest") for one in (best_aim, best_error))
-        sure = np.maximum(0, 1 - doubt / np.maximum(np.mean(against**2, axis=0), 1e-300))
-        best = max(lasted, self.lasted), np.where(better, size, self.size)
-        return Practice(aim + share * sure * against, best_aim, best_error, *best, share)
+        longest = max(lasted, self.lasted)
+        square = np.sum(against**2, axis=0) / max(longest, 1)  # where it did not come, nothing was missed
+        sure = np.maximum(0, 1 - doubt / np.maximum(square, 1e-300))
+        size = np.where(better, size, self.size)
+        return Practice(aim + share * sure * against, best_aim, best_error, longest, size, share)

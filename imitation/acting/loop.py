@@ -252,11 +252,13 @@ def imitate(
     imitator = Imitator(mind, movement, selection=selection, inverse=inverse, eagerness=eagerness, terms=terms)
     goals = imitator.goals
     practice = Practice.empty(len(goals), body.copies, goals.shape[-1])
-    done = []
+    done = list[Attempt]()
+    doubt = imitator.estimate.doubt(SMOOTHING) if attempts > 1 else 0.0
     for _ in range(attempts):
+        if done:
+            missed = goals[: len(done[-1].senses)] - done[-1].believed[..., 0]
+            practice = practice.after(missed, doubt)
         done.append(_attempt(body, imitator, practice.aim, rng, witness, ended, heed))
-        missed = goals[: len(done[-1].senses)] - done[-1].believed[..., 0]
-        practice = practice.after(missed, imitator.estimate.doubt(SMOOTHING))
     return done
 
 

@@ -225,8 +225,9 @@ def supervised(task: tuple[str, dict[str, tuple[Path, list[bytes]]], int, float 
         first = at + 1
         if not death:
             break
-        if death.startswith("hangs") and at + (at in said) != doubted:
-            first = doubted = at + (at in said)  # what was judged had ended: it was in making the next one
+        suspect = at + (at in said)  # what was judged had ended: it was in making the next one
+        if death.startswith("hangs") and suspect != doubted:
+            first = doubted = suspect
             continue
         tally.seconds += MOST_CPU_S
         tally.bugs.setdefault(death, []).append(at)
