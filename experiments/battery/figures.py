@@ -127,7 +127,8 @@ def ablations(frame: pd.DataFrame, title: str, *, rng: np.random.Generator) -> F
         here = table[table["task"] == task]
         for number, (name, (peer, without)) in enumerate(who.items()):
             some = here[(here["who"] == peer) & (here["without"] == without)]
-            at = np.array([conditions.index(one) for one in some["condition"]]) + 0.7 * (number / len(who) - 0.5)
+            beside = 0.7 * ((number + 0.5) / len(who) - 0.5)
+            at = np.array([conditions.index(one) for one in some["condition"]]) + beside
             how = {"fmt": MARKS[number % len(MARKS)], "color": CYCLE[number % len(CYCLE)], "ms": 5, "lw": 1.3}
             axes.errorbar(some["mean"], at, xerr=_spread(some), label=name, **how)
         unit = here["unit"].iloc[0]
