@@ -89,10 +89,9 @@ class Axis:
         """F, how many factors have a grid here."""
         return int(self.low.size)
 
-    def of(self, factor: int) -> "Axis":
-        """The grid of one factor alone."""
-        low, high = self.low[factor : factor + 1], self.high[factor : factor + 1]
-        return Axis(self.name, self.unit, low, high, self.size, self.labels)
+    def of(self, factors: int | IntArray) -> "Axis":
+        """The grids of one factor alone, or of some."""
+        return Axis(self.name, self.unit, self.low[factors], self.high[factors], self.size, self.labels)
 
     @property
     def is_categorical(self) -> bool:

@@ -16,16 +16,17 @@ integers, so what was learned apart is merged by adding.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray, IntArray, same_axes
+from babbling.axes import BoolArray, FloatArray, IntArray, located, same_axes
 from babbling.errors import BabblingError
-from babbling.features import BEFORE, COLUMNS, LINES, PLAYS, Echo, along, names, weighing
-from babbling.forward_model import ForwardModel, Rows
+from babbling.features import BEFORE, COLUMNS, LINES, Echo, along, names, weighing
+from babbling.forward_model import ForwardModel
 from babbling.frame import RIDGE, Frame, whole
 from babbling.kinds import Numbers
+from babbling.outlook import Outlook, Trusted
 from babbling.regression import LinearFit
 
 EXPLANATIONS = (*LINES, "table")
@@ -173,7 +174,7 @@ class Explanations:
         self._forget()
 
     def _forget(self) -> None:
-        for known in ("lines", "errors", "weights", "habit", "_averaged", "spread"):
+        for known in ("lines", "errors", "weights", "habit", "averaged", "spread", "trusted"):
             vars(self).pop(known, None)
 
     # --------------------------------------------------------------- predicting
@@ -231,70 +232,25 @@ class Explanations:
     @property
     def slope(self) -> FloatArray:
         """(F,) E[w] per unit of command, where plays and dead zones are taken up."""
-        return np.asarray(self._averaged[:, _BEFORE:_OWN].sum(1))
+        return np.asarray(self.averaged[:, _BEFORE:_OWN].sum(1))
 
     @cached_property
-    def _averaged(self) -> FloatArray:
+    def averaged(self) -> FloatArray:
         """(F, COLUMNS + 2 F) lines averaged: they are linear in their weights."""
         return np.asarray(np.einsum("fe,efx->fx", self.weights, self.lines))
 
-    def at(self, posture: FloatArray, rate: FloatArray, echo: Echo) -> "Outlook":
+    @cached_property
+    def trusted(self) -> Trusted:
+        """What is asked of the table: of the factors whose average it is part of."""
+        [some] = np.nonzero(self.weights[:, -1])
+        rate, effort = self.table.contexts[0], self.table.action
+        return Trusted(some, self.weights[some, -1], rate.of(some), effort.of(some), self.table.mean[some])
+
+    def at(self, posture: FloatArray, rate: FloatArray, echo: Echo) -> Outlook:
         """What may come of (..., F) postures and rates, given what earlier commands left."""
-        before = self.features.before(posture, rate, echo)
-        fixed = along(before, self._averaged[:, :_BEFORE]) + weighing(posture) @ self._averaged[:, _OWN:].T
-        rows = self.table.at((np.arcsinh(before[..., 1] / self.frame.bend[:, 0]),))
-        return Outlook(self, posture, echo, before, fixed, rows, along(before, self.frame.centre))
-
-
-class Outlook(NamedTuple):
-    """The forward model at some state: all that does not depend on the action has been worked out."""
-
-    explanations: Explanations
-    posture: FloatArray
-    """(..., F)."""
-    echo: Echo
-    before: FloatArray
-    """(..., F, BEFORE)."""
-    fixed: FloatArray
-    """(..., F) what is expected of no effort at all."""
-    rows: Rows
-    """The table at this rate."""
-    centre: FloatArray
-    """(..., F) the effort that one is used to here."""
-
-    def expected(self, command: FloatArray) -> FloatArray:
-        """(n..., ..., F) E[w | x] of commands."""
-        known = self.explanations
-        plays, (line, bent) = self._plays(command), np.split(known._averaged[:, _BEFORE:_OWN], [len(PLAYS)], axis=-1)
-        effort = known.features.effort(plays)
-        mean = self.fixed + along(plays, line) + along(known.features.dead(effort), bent)
-        trusted = known.weights[:, -1]
-        if trusted.any():
-            mean = mean + trusted * self._rows(mean.ndim).expected(self._bent(effort))
-        return np.asarray(mean)
-
-    @property
-    def usual(self) -> FloatArray:
-        """(..., F) the action c - q that one is used to here."""
-        return np.asarray(along(self.before, self.explanations.habit[0]))
-
-    def familiarity(self, command: FloatArray) -> FloatArray:
-        """(..., F) visits that the cell nearest to (..., F) commands had while babbling."""
-        return self._rows(command.ndim).familiarity(self._effort(command))
-
-    def beyond(self, command: FloatArray) -> BoolArray:
-        """(..., F) where (..., F) commands are off the table's axes, and the table is trusted."""
-        inside = self._rows(command.ndim).cells.on(self.explanations.table.action, self._effort(command)).inside
-        return np.asarray(~inside & (self.explanations.weights[:, -1] > 0))
-
-    def _plays(self, command: FloatArray) -> FloatArray:
-        return self.explanations.features.plays(self.echo, command) - self.posture[..., None]
-
-    def _rows(self, ndim: int) -> Rows:
-        return self.rows._replace(cells=self.rows.cells.ahead(ndim - self.fixed.ndim))
-
-    def _effort(self, command: FloatArray) -> FloatArray:
-        return self._bent(self.explanations.features.effort(self._plays(command)))
-
-    def _bent(self, effort: FloatArray) -> FloatArray:
-        return np.asarray(np.arcsinh((effort - self.centre) / self.explanations.frame.bend[:, 1]))
+        before, table = self.features.before(posture, rate, echo), self.trusted
+        lines, body = self.averaged[:, :_BEFORE], self.averaged[:, _OWN:]
+        fixed = along(before, lines) + weighing(posture) @ body.T
+        paces = np.arcsinh(before[..., table.factors, 1] / self.frame.bend[table.factors, 0])
+        cells = located(len(table.factors), (table.rate,), (paces,))
+        return Outlook(self, posture, echo, before, fixed, cells, along(before, self.frame.centre))

@@ -39,19 +39,19 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
     body, rng = table_body(config, COPIES, 100 * life.seed + 11, TURN_S), life.rng(4)
     who = shown(naive, run_trials(body, naive, life.how.gaze_lessons, rng))
     met = {cloth: run_trials(body, who, COUNT, rng, cloth=kind) for cloth, kind in CLOTHS.items()}
-    before = {cloth: infer(who, trials, TOYS, sees=np.zeros(COUNT)) for cloth, trials in met.items()}  # salience alone
     views = [pair[0] for pair in body.images]
-    for place, (name, (age, training)) in enumerate(LIVES.items()):
-        lore = EyeLore()
+    lores = [EyeLore() for _ in LIVES]
+    for lore, (age, training) in zip(lores, LIVES.values(), strict=True):
         own_experience(lore, None, views, config.noise, rng)
         for cover in (*AGES[age], *((TRAINING[training],) if TRAINING[training] else ())):
             own_experience(lore, cover, views, config.noise, rng)
-        for number, (cloth, trials) in enumerate(met.items()):
-            sees = np.where(trials.eyes_seen, lore.sees(False)[0], lore.sees(True)[0])
-            belief = infer(who, trials, TOYS, sees=sees)
+    for number, (cloth, trials) in enumerate(met.items()):
+        seen = [np.where(trials.eyes_seen, lore.sees(False)[0], lore.sees(True)[0]) for lore in lores]
+        before, *beliefs = infer(who, trials, TOYS, sees=np.stack([np.zeros(COUNT), *seen]))  # first, salience alone
+        for (place, name), belief in zip(enumerate(LIVES), beliefs, strict=True):
             for one in lives:
                 what = one.rng(4, number, place), f"gaze, {cloth}", name
-                yield from _followed(one, *what, belief, before[cloth], trials.target.tolist())
+                yield from _followed(one, *what, belief, before, trials.target.tolist())
 
 
 def _followed(

@@ -93,7 +93,8 @@ def grown(life: Life) -> Grown:
 def _child(life: Life) -> Child:
     """Who has babbled, looked at its hands, and played."""
     quiet, how, things = (lambda share: None), life.how, played_with(life)
-    mind = learn_mind(life.body, how.babbling_minutes, quiet, candidates=CANDIDATES, rehearsal_s=how.rehearsal_s).mind
+    rehearsed = {"candidates": CANDIDATES, "rehearsal_s": how.rehearsal_s}
+    mind = learn_mind(life.body, how.babbling_minutes, quiet, judged=False, **rehearsed).mind
     image = look_at_hands(mind, life.seed, minutes=how.mirror_minutes)
     return Child(mind, image, play_on(mind, image, empty(mind, things), things, how.play_rounds, life.seed, 1))
 

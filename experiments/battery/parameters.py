@@ -63,7 +63,7 @@ class Parameters:
 LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
          "as_itself", "even_goals", "forgets")  # fmt: skip
 """What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
-QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=4.0, mirror_minutes=2.5, movements=1, looking_minutes=1.5,
+QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=3.0, mirror_minutes=2.5, movements=1, looking_minutes=1.0,
                    play_rounds=1, gaze_lessons=20, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""
 ELSE = {"forgets": 0.5, "seeing_noise_deg": 5.0}

@@ -14,7 +14,7 @@ from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
 from experiments.battery.parameters import FEW_THINGS, THINGS, Parameters
 from experiments.battery.shards import Shard, lived
-from experiments.battery.table import comma, files, tidy
+from experiments.battery.table import Trial, comma, files, tidy
 from experiments.battery.vary import designs
 from experiments.errors import ExperimentError
 from experiments.face.watching import Look
@@ -52,7 +52,7 @@ def run(config: Config) -> Result:
     whole = [one for one in adults if not isinstance(one, Failure)]
     stages = [stage for stage in config.stages if stage != "objects" or len(whole) == len(adults)]
     wards, shards = tasks(stages, asked, tuple(look for some in filmed for look in some), whole)
-    done = [*many(faces, wards, doing="faces"), *many(lived, shards, doing="lives")]
+    done = many(met, [*wards, *shards], doing="faces and lives")
     failed = [str(one) for one in adults if isinstance(one, Failure)]
     asked_for = [*(ward.lives[0][0] for ward in wards), *(shard.lives[0] for shard in shards)]
     ended = zip(asked_for, done, strict=True)
@@ -67,6 +67,11 @@ def run(config: Config) -> Result:
     drawn = figures(battery) if config.only is None else {}
     written = files(frame, explained(Parameters)) | {"effects.csv": lambda path: comma(battery.effects, path)}
     return Result(battery.metrics, summarise(battery), drawn, None, written, words(battery), tuple(failed))
+
+
+def met(task: Ward | Shard) -> list[Trial]:
+    """What newborns did, or all that agents of one childhood did."""
+    return faces(task) if isinstance(task, Ward) else lived(task)
 
 
 def _worked_s() -> float:

@@ -14,21 +14,19 @@ def infer(
     likes: Preferences | None = None,
     sees: FloatArray | None = None,
 ) -> FloatArray:
-    """(N, G) Eq. (2) for each trial, over the toys that were seen in both eyes, 0 for the others; prior: salience and
-    preferences; `sees` (N,) P(the teacher sees), 1 if not given."""
+    """(..., N, G) Eq. (2) for each trial, over the toys that were seen in both eyes, 0 for the others; prior: salience
+    and preferences; `sees` (..., N) P(the teacher sees), 1 if not given."""
     places = located(trials, who.gaze.geometry)
-    probability = np.zeros(places.shape[:2])
-    for i in range(len(places)):
-        there = np.flatnonzero(np.isfinite(places[i]).all(1))
-        if not len(there):
-            continue
-        labels = tuple(toys[k] for k in there)
-        probability[i, there] = prior = (likes or Preferences()).prior(labels, trials.salience[i, there])
-        if np.isfinite(trials.pose[i]).all():
-            posterior = who.gaze.read(
-                trials.pose[i], places[i, there], who.head, prior, 1.0 if sees is None else sees[i]
-            )
-            probability[i, there] = posterior.probability if posterior.informed else prior
+    found, sees = np.isfinite(places).all(-1), np.ones(len(places)) if sees is None else sees
+    expected, probability = np.zeros((*found.shape, 2)), np.zeros((*sees.shape, found.shape[1]))
+    expected[found] = who.gaze.expected(places[found], who.head)
+    for i in np.flatnonzero(found.any(1)):
+        there = np.flatnonzero(found[i])
+        prior = (likes or Preferences()).prior(tuple(toys[k] for k in there), trials.salience[i, there])
+        told = np.isfinite(trials.pose[i]).all()
+        for some in np.ndindex(sees.shape[:-1]):
+            posterior = who.gaze.read(trials.pose[i], expected[i, there], prior, sees[(*some, i)]) if told else None
+            probability[(*some, i, there)] = posterior.probability if posterior and posterior.informed else prior
     return probability
 
 

@@ -87,7 +87,7 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
         where = gaze.geometry.locate(things[0], tilt_of(mind, senses)[0])
         if np.isfinite(where).all() and watching.belief is not None:
             prior = Preferences().prior(names, np.sqrt(np.maximum(area[0], 1.0)))
-            posterior = gaze.read(pose, where, head, prior)
+            posterior = gaze.read(pose, gaze.expected(where, head), prior)
             belief = posterior.probability if posterior.informed else prior
             best = int(belief.argmax())
             if best != leader and belief[best] > 0.5:
@@ -111,5 +111,5 @@ def episode(who: Watcher, layout: FloatArray | None, target: int, seed: int) -> 
     events.append((len(images) * FRAME_S, f"sees {names[chosen]} {away:.2f} px from the middle: {right}"))
     found, predicted, own, teacher, poses, beliefs = (np.stack(column) for column in zip(*frames, strict=True))
     seen = onlook(body.model, config.robot, own, teacher, dict(zip(names, places, strict=True)))
-    expected = gaze.imagined(where, head) + gaze.bias
+    expected = gaze.expected(where, head)
     return Following(names, goal, images, found, predicted, own, teacher, poses, beliefs, events, seen, expected)

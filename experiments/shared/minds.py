@@ -100,6 +100,7 @@ def learn_mind(
     candidates: int = CANDIDATES,
     rehearsal_s: float = REHEARSAL_S,
     elsewhere: Elsewhere | None = None,
+    judged: bool = True,
 ) -> Learned:
     """Pilot, babbling, rehearsal.
 
@@ -112,6 +113,7 @@ def learn_mind(
         candidates: see `rehearse`.
         rehearsal_s: see `rehearse`.
         elsewhere: who has the experience of the bouts, if not this process.
+        judged: whether there are metrics and a curve, for which other copies babble as well.
     """
     copies = copies_for(minutes)
     body = body_of(options, copies)
@@ -130,18 +132,21 @@ def learn_mind(
     else:
         found, model, first = left.mind.pilot, left.mind.forward_model, left.bouts_done
         rehearsed, (piloted, spent) = list(left.rehearsed), left.wall_s.tolist()
-    held_out = HeldOut(body_of(options, COPIES, stream=2), found, options.seed, () if left is None else left.points)
+    others = body_of(options, COPIES, stream=2) if judged else None
+    held_out = HeldOut(others, found, options.seed, () if left is None else left.points) if others else None
     piloting = model.transitions / len(model.factors) - sum(plan[:first]) * copies  # transitions that it counted
 
     def look(within: bool) -> None:
         nonlocal clock
+        if held_out is None:
+            return
         began = time.perf_counter()
         held_out.note(
             found.minutes + (model.transitions / len(model.factors) - piloting) * body.tick_s / 60, model, within
         )
         clock += time.perf_counter() - began
 
-    if left is None:
+    if left is None and held_out is not None:
         held_out.note_pilot(*runs[0], found)
         look(within=False)
 
@@ -152,7 +157,8 @@ def learn_mind(
         nonlocal kept, cost_s
         if checkpoint is not None and (begun := time.perf_counter()) - kept >= max(after_s, SPARING * cost_s):
             felt = np.array(rehearsed).reshape(-1, len(EAGERNESS), len(model.factors))
-            points, wall_s = np.array(held_out.points).reshape(-1, 3), np.array([piloted, spent])
+            points = np.array(held_out.points if held_out else ()).reshape(-1, 3)
+            wall_s = np.array([piloted, spent])
             save(Interrupted(unrehearsed(), minutes, options.sensor_noise_deg, done, points, felt, wall_s), checkpoint)
             kept = time.perf_counter()
             cost_s = kept - begun
@@ -186,6 +192,8 @@ def learn_mind(
         how = options.seed, tuple(rehearsed), after_rehearsing, candidates, rehearsal_s
         mind = rehearse(rehearsers, unrehearsed(), *how)
     report(1.0)
+    if held_out is None:
+        return Learned(mind)
     ticks, curve = sum(plan), held_out.curve()
     metrics = {
         "babbling_transitions": model.transitions,

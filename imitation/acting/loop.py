@@ -67,7 +67,7 @@ class Info:
     entropy: FloatArray
     """(B, F) bits; (B, 0) without beliefs."""
     familiarity: FloatArray
-    """(B, F) visits that the chosen action's row had while babbling (0: never tried here)."""
+    """(F,) visits that the row of copy 0's action had while babbling (0: never tried here)."""
     uninformed: BoolArray
     """(B, F) where the forward model was asked beyond its table's axes."""
     select_s: FloatArray
@@ -95,8 +95,8 @@ class Attempt(Info):
 
 def lasting(info: Info) -> Info:
     """What is kept of a step: many copies' posteriors would fill the memory."""
-    few = {name: getattr(info, name)[0].astype(np.float32) for name in ("posterior", "candidates", "familiarity")}
-    return replace(info, **few)
+    few = {name: getattr(info, name)[0].astype(np.float32) for name in ("posterior", "candidates")}
+    return replace(info, familiarity=info.familiarity.astype(np.float32), **few)
 
 
 def through_time(infos: Sequence[Info]) -> dict[str, NDArray[Any]]:
@@ -190,7 +190,7 @@ class Imitator:
         really = Here(belief.mean[..., 0], belief.mean[..., 1], state.echo, onward, ahead[1:])
         predicted = self.estimate.predict(belief, command, self.inverse.expect(really, command))
         echo = self.mind.pilot.frame.features.after(state.echo, command)
-        outlook = self.mind.forward_model.at(posture, rate, state.echo)
+        first = self.mind.forward_model.at(posture[:1], rate[:1], Echo(*(left[:1] for left in state.echo)))
         state = State(state.tick + 1, predicted, echo, state.targets)
         info = Info(
             believed=belief.mean,
@@ -202,7 +202,7 @@ class Imitator:
             evidence=nothing[:, 0] if choice.posterior is None else choice.posterior.evidence,
             entropy=nothing[:, 0] if choice.posterior is None else choice.posterior.entropy,
             candidates=choice.candidates,
-            familiarity=outlook.familiarity(command),
+            familiarity=first.familiarity(command[:1])[0],
             uninformed=choice.beyond,
             select_s=np.array(clock),
         )

@@ -93,19 +93,22 @@ class GazeReader:
             self.fixations, self.geometry, self.tilt, found.x, rest.mean(0), np.cov(rest.T) * (1 + 5 / len(rest))
         )
 
-    def like_me(self, pose: FloatArray, places: FloatArray, head: FloatArray) -> FloatArray:
-        """(G,) P(pose | g_k) density: how one who wanted to look at (G, 3) places would hold the head."""
-        expected = self.imagined(places, head) + self.bias
+    def expected(self, places: FloatArray, head: FloatArray) -> FloatArray:
+        """(N, 2) poses of one who looks at (N, 3) places with the face at (3,): one's own, and what others' are beside
+        them."""
+        return np.asarray(self.imagined(places, head) + self.bias)
+
+    def like_me(self, pose: FloatArray, expected: FloatArray) -> FloatArray:
+        """(G,) P(pose | g_k) density: how one who wanted to look there would hold the head, of (G, 2) `expected`."""
         away = pose - expected
         distance = np.einsum("gi,ij,gj->g", away, np.linalg.inv(self.covariance), away)
         scale = 2 * np.pi * np.sqrt(np.linalg.det(self.covariance))
         return np.asarray(np.exp(-distance / 2) / scale)
 
-    def read(
-        self, pose: FloatArray, places: FloatArray, head: FloatArray, prior: FloatArray, sees: float = 1.0
-    ) -> Posterior:
-        """Eq. (2): P(g | pose) over (G, 3) places; with probability 1 - `sees` the pose has nothing to do with them."""
-        meant = (1.0 - LAPSE) * self.like_me(pose, places, head) + LAPSE * ANYWHERE
+    def read(self, pose: FloatArray, expected: FloatArray, prior: FloatArray, sees: float = 1.0) -> Posterior:
+        """Eq. (2): P(g | pose) over things of (G, 2) `expected` poses; with probability 1 - `sees` the pose has nothing
+        to do with them."""
+        meant = (1.0 - LAPSE) * self.like_me(pose, expected) + LAPSE * ANYWHERE
         level = meant @ prior
         action_prior = sees * meant + (1.0 - sees) * level
         return goal_posterior(np.ones(1), action_prior, prior)

@@ -38,18 +38,16 @@ def test_facing_is_an_involution_and_the_other_sees_our_left_on_its_right() -> N
 
 def test_like_me_is_a_density_that_peaks_at_the_looked_at_thing() -> None:
     gaze = replace(reader(), bias=np.array([0.02, -0.03]), covariance=np.array([[0.004, 0.001], [0.001, 0.002]]))
-    expected = gaze.imagined(PLACES, HEAD) + gaze.bias
+    expected = gaze.expected(PLACES, HEAD)
     for k, pose in enumerate(expected):
-        density = gaze.like_me(pose, PLACES, HEAD)
+        density = gaze.like_me(pose, expected)
         assert density.argmax() == k
         assert density[k] == pytest.approx(1 / (2 * np.pi * np.sqrt(np.linalg.det(gaze.covariance))))
         for step in 0.02 * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
-            assert gaze.like_me(pose + step, PLACES, HEAD)[k] < density[k]
+            assert gaze.like_me(pose + step, expected)[k] < density[k]
     side = np.linspace(-0.5, 0.5, 201)
     grid = np.stack(np.meshgrid(side, side), -1).reshape(-1, 2) + expected[0]
-    mass = (
-        np.array([gaze.like_me(pose, PLACES[:1], HEAD)[0] for pose in grid[::7]]).sum() * 7 * (side[1] - side[0]) ** 2
-    )
+    mass = np.array([gaze.like_me(pose, expected[:1])[0] for pose in grid[::7]]).sum() * 7 * (side[1] - side[0]) ** 2
     assert mass == pytest.approx(1.0, abs=0.01)
 
 
@@ -59,10 +57,10 @@ def test_a_lapse_bounds_what_one_look_can_say(pan: float, tilt: float, sees: flo
     """No pose makes a goal more than peak / floor as likely as another, beside their priors."""
     gaze, prior = reader(), np.random.default_rng(seed).dirichlet(np.ones(3)) + 1e-3
     prior /= prior.sum()
-    odds = gaze.read(np.array([pan, tilt]), PLACES, HEAD, prior, sees).probability / prior
+    odds = gaze.read(np.array([pan, tilt]), gaze.expected(PLACES, HEAD), prior, sees).probability / prior
     peak = (1 - LAPSE) / (2 * np.pi * 0.05**2) + LAPSE * ANYWHERE
     assert odds.max() / odds.min() <= peak / (LAPSE * ANYWHERE) * (1 + 1e-9)
-    more = gaze.read(np.array([pan, tilt]), PLACES, HEAD, prior, 1.0).probability / prior
+    more = gaze.read(np.array([pan, tilt]), gaze.expected(PLACES, HEAD), prior, 1.0).probability / prior
     assert odds.max() / odds.min() <= more.max() / more.min() * (1 + 1e-9)  # doubt about the eyes says less, never more
 
 
@@ -71,13 +69,14 @@ def test_equation_two_agrees_with_bayes_by_hand() -> None:
     expected = gaze.imagined(PLACES, HEAD)
     density = np.exp(-0.5 * ((pose - expected) ** 2).sum(1) / 0.05**2) / (2 * np.pi * 0.05**2)
     by_hand = ((1 - LAPSE) * density + LAPSE * ANYWHERE) * prior
-    np.testing.assert_allclose(gaze.read(pose, PLACES, HEAD, prior).probability, by_hand / by_hand.sum(), rtol=1e-9)
+    np.testing.assert_allclose(gaze.read(pose, expected, prior).probability, by_hand / by_hand.sum(), rtol=1e-9)
 
 
 def test_who_cannot_see_tells_nothing_and_a_resting_head_hardly_anything() -> None:
     gaze, prior = reader(), np.array([0.2, 0.5, 0.3])
-    np.testing.assert_allclose(gaze.read(np.array([-0.3, 0.35]), PLACES, HEAD, prior, sees=0.0).probability, prior)
-    np.testing.assert_allclose(gaze.read(np.zeros(2), PLACES, HEAD, prior).probability, prior, atol=0.02)
+    expected = gaze.expected(PLACES, HEAD)
+    np.testing.assert_allclose(gaze.read(np.array([-0.3, 0.35]), expected, prior, sees=0.0).probability, prior)
+    np.testing.assert_allclose(gaze.read(np.zeros(2), expected, prior).probability, prior, atol=0.02)
 
 
 def test_where_gaze_comes_from_and_how_surely_is_learned_from_shown_goals() -> None:
