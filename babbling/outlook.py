@@ -1,4 +1,4 @@
-"""What may come of acting here: the forward model at some state, asked for many commands (see `babbling.explanations`)."""
+"""What may come of acting here: the forward model (`babbling.explanations`) at some state, asked for many commands."""
 
 from typing import TYPE_CHECKING, NamedTuple
 

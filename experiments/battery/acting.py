@@ -7,7 +7,7 @@ import numpy as np
 
 from babbling.axes import FloatArray
 from babbling.play import HANDS
-from experiments.battery.life import Adult, Grown, Life, unplayed
+from experiments.battery.life import UNPLAYED_CONDITIONS, Adult, Grown, Life, unplayed
 from experiments.battery.parameters import Parameters
 from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
 from experiments.intentions.agents import Agent, How, sharpened
@@ -22,6 +22,8 @@ from models.objects.states import LIT_BY_HEAD
 
 VIEWS = {"live": 0, "a week before": 7, "another room": 0, "television": 0, "nothing": 0, "handled": 0}
 """How a head touch was seen, and how many days before."""
+UNPLAYED_VIEWS: tuple[str, ...] = ("live", "nothing")
+"""Of those who never played: what play is for."""
 MOVERS: tuple[str, ...] = ("person", "poles and pincers")
 """Bodies that show intentions."""
 LIT = "lit by head"
@@ -47,13 +49,13 @@ def _looks(who: Grown, adult: Adult) -> tuple[dict[str, Looks], dict[str, FloatA
 def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
     """A light panel that somebody lit with the forehead (Meltzoff 1988)."""
     life, play, rng = who.life, who.child.play, who.life.rng(6)
-    goals = list[int]()
-    for view, days in VIEWS.items():
+    goals, views = list[int](), tuple(VIEWS) if without == WHOLE else UNPLAYED_VIEWS
+    for view in views:
         act = adult.touches.get({"another room": "room"}.get(view, view), adult.touches["live"])
         one = act.only(rng.integers(0, len(act.rows), 1))
         how = {"another room": "room", "television": "television"}.get(view, "live")
         [memory] = remembered(play, "panel", watched(one, how, rng))
-        gone = view == "nothing" or rng.random() < 1 - (1 - life.how.forgets) ** days
+        gone = view == "nothing" or rng.random() < 1 - (1 - life.how.forgets) ** VIEWS[view]
         goals.append(UNSEEN if gone else int(memory.states[-1]))
     kind, free = play.kinds.index("panel"), HANDS.index("free")
     likely = [
@@ -63,7 +65,7 @@ def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
     weights = np.stack([chances(*pair, life.how) for pair in zip(likely, priors, strict=True)])
     done = respond(who.child, "panel", np.array(goals), life.how.acts, "matching", rng, first=100 * life.seed,
                    otherwise=weights)  # fmt: skip
-    for number, view in enumerate(VIEWS):
+    for number, view in enumerate(views):
         first = NAMES[done.primitives[number, 0]]
         lit = float(done.ever(LIT_BY_HEAD)[number])
         yield Trial(
@@ -85,11 +87,12 @@ def _intentions(
 ) -> Iterator[Trial]:
     """What was meant, and what is then done (Meltzoff 1995; Gergely et al. 2002; Carpenter et al. 1998)."""
     life, child = who.life, who.child
-    things = [thing for thing in adult.tries if ":" not in thing]
+    things = [thing for thing in who.own if ":" not in thing]
     how = How(**{name: getattr(life.how, name) for name in vars(How()) if hasattr(life.how, name)})
     task = Population(child, child, 0, who.own, adult.tries, 1, {USUAL: how}, life.seed)
     agent = Agent(child.play, how)
-    for condition, toys in CONDITIONS.items():
+    for condition in CONDITIONS if without == WHOLE else UNPLAYED_CONDITIONS:
+        toys = CONDITIONS[condition]
         for toy in (toy for toy in toys if toy in things):
             found = each_answers(task, looks, bodies, condition, toy, [agent])
             if found is None:  # no try of the adult's was such a one

@@ -15,7 +15,8 @@ from babbling.errors import BabblingError
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
 from babbling.play import Play
-from experiments.battery.parameters import LATER, Parameters
+from experiments.battery.parameters import ALIKE, Parameters
+from experiments.intentions.options import CONDITIONS
 from experiments.intentions.showing import SHOWS
 from experiments.intentions.study import OBJECTS
 from experiments.intentions.trials import Trials, trials
@@ -25,7 +26,7 @@ from experiments.shared.minds import body_of, learn_mind
 from experiments.shared.mirrors import image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.playing import CANDIDATES, SEATED, Tried
-from experiments.shared.rounds import empty, look_at_hands, play_on
+from experiments.shared.rounds import PLAYED, empty, look_at_hands, play_on
 from models.objects.states import Watched
 
 GLIMPSE_MINUTES = 0.3
@@ -34,6 +35,10 @@ LONGER = 2
 """An adult has played so many times as long."""
 EACH, MEANS, CARELESS = 1, 4, 12
 """Tries of every primitive with a thing, more of those that bring its target about, and, of adults, careless ones."""
+
+
+UNPLAYED_CONDITIONS = ("target", "failed")
+"""That those meet who never played."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +50,9 @@ class Life:
     how: Parameters
     things: tuple[str, ...]
 
-    @property
-    def childhood(self) -> tuple[object, ...]:
-        """What it is until it meets others; agents of one childhood grow up once."""
-        return (self.seed, self.things, *(value for name, value in vars(self.how).items() if name not in LATER))
+    def childhood(self, part: str) -> tuple[object, ...]:
+        """What a part of it depends on (see `ALIKE`)."""
+        return (self.seed, self.things, *(getattr(self.how, name) for name in ALIKE[part]))
 
     @property
     def body(self) -> BodyOptions:
@@ -91,12 +95,13 @@ def grown(life: Life) -> Grown:
 
 
 def _child(life: Life) -> Child:
-    """Who has babbled, looked at its hands, and played."""
+    """Who has babbled, looked at its hands, and played, if there is anything to play with."""
     quiet, how, things = (lambda share: None), life.how, played_with(life)
-    rehearsed = {"candidates": CANDIDATES, "rehearsal_s": how.rehearsal_s}
-    mind = learn_mind(life.body, how.babbling_minutes, quiet, judged=False, **rehearsed).mind
+    minutes, seconds = how.babbling_minutes, how.rehearsal_s
+    mind = learn_mind(life.body, minutes, quiet, candidates=CANDIDATES, rehearsal_s=seconds, judged=False).mind
     image = look_at_hands(mind, life.seed, minutes=how.mirror_minutes)
-    return Child(mind, image, play_on(mind, image, empty(mind, things), things, how.play_rounds, life.seed, 1))
+    nothing, rounds = empty(mind, things or PLAYED), how.play_rounds if things else 0
+    return Child(mind, image, play_on(mind, image, nothing, things, rounds, life.seed, 1))
 
 
 def played_with(life: Life) -> tuple[str, ...]:
@@ -115,7 +120,9 @@ def unplayed(whole: Grown) -> Grown:
     """The ablation: it never played."""
     nothing: Play = whole.child.play.nothing()
     child = replace(whole.child, play=nothing)
-    return replace(whole, child=child, own=pool(child, whole.life.seed, whole.life.things, means=0))
+    met = {toy for condition in UNPLAYED_CONDITIONS for toy in CONDITIONS[condition]}
+    things = [thing for thing in whole.life.things if thing in met]
+    return replace(whole, child=child, own=pool(child, whole.life.seed, things, means=0))
 
 
 def pool(child: Child, number: int, things: Sequence[str], careless: int = 0, means: int = MEANS) -> dict[str, Trials]:

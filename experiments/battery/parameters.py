@@ -60,9 +60,13 @@ class Parameters:
     """Noise of every direction that is seen in the mirror and of teachers."""
 
 
-LATER = ("acts", "shown", "exponent", "trust", "own_weight", "gives_up", "goes_on", "repeats", "all_somebody",
-         "as_itself", "even_goals", "forgets")  # fmt: skip
-"""What makes a difference only once an agent is grown: agents that differ in nothing else grow up once."""
+ALIKE: dict[str, tuple[str, ...]] = {
+    "face": ("face_acts",),
+    "gaze": ("looking_minutes", "gaze_lessons", "aim_deg"),
+    "body": ("babbling_minutes", "rehearsal_s", "mirror_minutes", "movements", "play_rounds", "seeing_noise_deg"),
+}
+"""What newborns' faces, eyes, and bodies that move and play depend on; whatever is not here makes a difference only
+once an agent is grown. Agents who are alike in one of these, and of one seed, have that part of their life once."""
 QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=3.0, mirror_minutes=2.5, movements=1, looking_minutes=1.0,
                    play_rounds=1, gaze_lessons=20, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""

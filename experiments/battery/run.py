@@ -40,7 +40,7 @@ def run(config: Config) -> Result:
     first = BETWEEN * (config.seed % SEEDS)
     varied = config.varied
     cells = designs(varied, base, config.population, one_by_one=config.one_by_one)
-    things = FEW_THINGS if config.quick else THINGS
+    things = () if "objects" not in config.stages else FEW_THINGS if config.quick else THINGS
     lives = [Life(one.agent, first + one.block, one.parameters, things) for one in cells]
     if config.only is not None and config.only >= len(lives):
         raise ExperimentError(f"--only {config.only}: there are {len(lives)} agents, counted from 0")
@@ -52,7 +52,8 @@ def run(config: Config) -> Result:
     whole = [one for one in adults if not isinstance(one, Failure)]
     stages = [stage for stage in config.stages if stage != "objects" or len(whole) == len(adults)]
     wards, shards = tasks(stages, asked, tuple(look for some in filmed for look in some), whole)
-    done = many(met, [*wards, *shards], doing="faces and lives")
+    to_do: list[Ward | Shard] = [*wards, *shards]
+    done = attempted(met, to_do, config.workers, "faces and lives", config.scheduler)
     failed = [str(one) for one in adults if isinstance(one, Failure)]
     asked_for = [*(ward.lives[0][0] for ward in wards), *(shard.lives[0] for shard in shards)]
     ended = zip(asked_for, done, strict=True)
@@ -93,14 +94,15 @@ def tasks(
     """Wards of newborns' faces, and lives: whatever a number does not depend on, it has in common with others."""
     wards, shards = list[Ward](), list[Shard]()
     if "face" in stages:
-        newborn = _alike(lives, lambda life: (life.how.face_acts, life.seed)).values()
+        newborn = _alike(lives, partial(Life.childhood, part="face")).values()
         together = _alike(newborn, lambda some: (some[0].how.face_acts, some[0].seed // WARD))
         for (acts, number), group in together.items():
             wards.append(Ward(WARD * number, acts, tuple(map(tuple, group)), seen))
-    if later := tuple(stage for stage in stages if stage != "face"):
-        for some in _alike(lives, lambda life: life.childhood).values():
-            watched = adults[some[0].seed % len(adults)] if adults else None
-            shards.append(Shard(tuple(some), watched, later))
+    for part, inside in (("gaze", ("gaze",)), ("body", ("movements", "objects"))):
+        if asked := tuple(stage for stage in stages if stage in inside):
+            for some in _alike(lives, partial(Life.childhood, part=part)).values():
+                watched = adults[some[0].seed % len(adults)] if "objects" in asked else None
+                shards.append(Shard(tuple(some), watched, asked))
     return wards, shards
 
 

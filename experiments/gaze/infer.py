@@ -17,7 +17,8 @@ def infer(
     """(..., N, G) Eq. (2) for each trial, over the toys that were seen in both eyes, 0 for the others; prior: salience
     and preferences; `sees` (..., N) P(the teacher sees), 1 if not given."""
     places = located(trials, who.gaze.geometry)
-    found, sees = np.isfinite(places).all(-1), np.ones(len(places)) if sees is None else sees
+    found = np.asarray(np.isfinite(places).all(-1), bool)
+    sees = np.ones(len(places)) if sees is None else sees
     expected, probability = np.zeros((*found.shape, 2)), np.zeros((*sees.shape, found.shape[1]))
     expected[found] = who.gaze.expected(places[found], who.head)
     for i in np.flatnonzero(found.any(1)):

@@ -15,9 +15,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from babbling.axes import Axis, BoolArray, FloatArray
-from babbling.explanations import Explanations, Outlook
+from babbling.explanations import Explanations
 from babbling.features import Echo
 from babbling.mind import Mind
+from babbling.outlook import Outlook
 from imitation.errors import ImitationError
 from imitation.inference.bayes import Posterior, action_posterior
 from imitation.inference.inverse import Term

@@ -19,7 +19,8 @@ from experiments.battery.figures import beside_infants, beside_signs
 from experiments.battery.found import told
 from experiments.battery.infants import RATES, SIGNS, Cell
 from experiments.battery.life import Adult, Grown, Life, played_with, pool, unplayed
-from experiments.battery.parameters import LATER, QUICK, Parameters
+from experiments.battery.parameters import ALIKE, QUICK, Parameters
+from experiments.battery.run import tasks
 from experiments.battery.table import IMITATOR, WHOLE, Trial, parted, tidy
 from experiments.objects.showing import demonstrated
 from experiments.shared.children import Child
@@ -60,8 +61,24 @@ def test_agents_of_one_childhood_differ_in_nothing_that_growing_up_depends_on() 
     for one in fields(Parameters):
         value = getattr(QUICK, one.name)
         other = Life(1, 1, replace(QUICK, **{one.name: not value if isinstance(value, bool) else value + 1}), THINGS)
-        assert (other.childhood == first.childhood) == (one.name in LATER), one.name
-    assert Life(0, 2, QUICK, THINGS).childhood != first.childhood
+        for part, names in ALIKE.items():
+            assert (other.childhood(part) != first.childhood(part)) == (one.name in names), one.name
+    assert all(Life(0, 2, QUICK, THINGS).childhood(part) != first.childhood(part) for part in ALIKE)
+    assert sum(map(len, ALIKE.values())) == len(set().union(*ALIKE.values()))
+
+
+def test_whoever_is_alike_lives_that_part_of_life_once() -> None:
+    usual, later, looked, played = (
+        Life(n, 1, replace(QUICK, **how), THINGS)
+        for n, how in enumerate(({}, {"exponent": 2.0}, {"looking_minutes": 2.0}, {"play_rounds": 2}))
+    )
+    lives = [usual, later, looked, played]
+    wards, shards = tasks(("movements", "gaze", "face"), lives, (), [])
+    assert [[life.agent for life in some] for ward in wards for some in ward.lives] == [[0, 1, 2, 3]]
+    together = {one.stages: [] for one in shards}
+    for one in shards:
+        together[one.stages].append([life.agent for life in one.lives])
+    assert together == {("gaze",): [[0, 1, 3], [2]], ("movements",): [[0, 1, 2], [3]]}
 
 
 def test_a_choice_is_eq_1_with_trust_in_habit_and_an_exponent() -> None:
