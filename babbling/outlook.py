@@ -1,14 +1,13 @@
 """What may come of acting here: the forward model (`babbling.explanations`) at some state, asked for many commands."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from babbling.axes import Axis, BoolArray, Cells, FloatArray, IntArray
-from babbling.features import BEFORE, COLUMNS, PLAYS, Echo, along
-
-if TYPE_CHECKING:
-    from babbling.explanations import Explanations
+from babbling.features import BEFORE, COLUMNS, PLAYS, Echo, Features, along
+from babbling.forward_model import ForwardModel
+from babbling.frame import Frame
 
 _ACTED = slice(len(BEFORE), len(COLUMNS))
 
@@ -26,10 +25,30 @@ class Trusted(NamedTuple):
     """(K, rates, efforts) expected departures."""
 
 
+class Averaged(Protocol):
+    """Rival explanations as one (`babbling.explanations.Explanations`)."""
+
+    frame: Frame
+    features: Features
+    table: ForwardModel
+
+    @property
+    def averaged(self) -> FloatArray:
+        """(F, COLUMNS + 2 F) lines, averaged."""
+
+    @property
+    def habit(self) -> tuple[FloatArray, FloatArray]:
+        """(F, BEFORE) line through what babbling did, and (F,) how far off it is."""
+
+    @property
+    def trusted(self) -> Trusted:
+        """What is asked of the table."""
+
+
 class Outlook(NamedTuple):
     """The forward model at some state: all that does not depend on the action has been worked out."""
 
-    explanations: "Explanations"
+    explanations: Averaged
     posture: FloatArray
     """(..., F)."""
     echo: Echo

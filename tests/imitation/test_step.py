@@ -9,7 +9,7 @@ import pytest
 from babbling.axes import Axis
 from babbling.belief import StateEstimate
 from babbling.forward_model import ForwardModel
-from imitation.acting.loop import Attempt, Imitator, imitate
+from imitation.acting.loop import Attempt, Imitator, imitate, lasting
 from imitation.acting.movement import APPROACH_S, RUN_UP_S, Movement
 from imitation.errors import ImitationError
 from imitation.inference.inverse import Term
@@ -116,8 +116,7 @@ def test_steps_by_hand_are_what_the_loop_does(arm, arm_mind, movement, copies):
     )[0]
     assert once.ended is None and once.ended_tick == len(once.senses) == 100
     for t, (senses, angles, info) in enumerate(seen[LEAD:]):
-        by_hand = dict(vars(info), senses=senses, truth=angles)
-        by_hand |= {name: getattr(info, name)[0].astype(np.float32) for name in FEW}
+        by_hand = vars(lasting(info)) | {"senses": senses, "truth": angles}
         for name in (*ARRAYS, "uninformed"):
             assert getattr(once, name)[t].tobytes() == by_hand[name].tobytes(), (name, t)
 
