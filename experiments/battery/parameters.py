@@ -7,7 +7,7 @@ from experiments.shared.options import within
 
 THINGS = ("dumbbell", "outsized", "panel", "box", "loop", "cup")
 """What agents play with."""
-FEW_THINGS = ("dumbbell", "outsized", "panel")
+FEW_THINGS = ("dumbbell", "panel")
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Parameters:
     """Body-minutes of babbling on the seat, the pilot counted."""
     rehearsal_s: Annotated[float, within(2, 60)] = 10.0
     """Length of the movements that it makes up to rehearse."""
-    mirror_minutes: Annotated[float, within(2, 600)] = 6.0
+    mirror_minutes: Annotated[float, within(2.2, 600)] = 6.0
     """Body-minutes before a mirror, and twice again of looking at one's own hands, head and arms."""
     movements: Annotated[int, within(1, 2)] = 2
     """Movements of other robots that it is shown."""
@@ -67,7 +67,7 @@ ALIKE: dict[str, tuple[str, ...]] = {
 }
 """What newborns' faces, eyes, and bodies that move and play depend on; whatever is not here makes a difference only
 once an agent is grown. Agents who are alike in one of these, and of one seed, have that part of their life once."""
-QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=3.0, mirror_minutes=2.5, movements=1, looking_minutes=1.0,
+QUICK = Parameters(babbling_minutes=3.0, rehearsal_s=2.0, mirror_minutes=2.5, movements=1, looking_minutes=1.0,
                    play_rounds=1, gaze_lessons=20, face_acts=300)  # fmt: skip
 """Shorter lives, for a first look."""
 ELSE = {"forgets": 0.5, "seeing_noise_deg": 5.0}

@@ -36,7 +36,7 @@ def hurried() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rounds, "CHILDREN", 13)
         patch.setattr(rounds, "KEPT_EVERY", 1)
-        patch.setattr(rounds, "LOOKING_MINUTES", 4.0)
+        patch.setattr(rounds, "LOOKING_MINUTES", 2.5)
         yield
 
 

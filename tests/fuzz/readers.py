@@ -56,7 +56,7 @@ class Reader(NamedTuple):
     """Read it and hold what was read to what it promises: AssertionError is a finding, like any other exception but"""
     error: type[Exception] | tuple[type[Exception], ...]
     words: tuple[bytes, ...] = ()
-    cases: int = 150
+    cases: int = 100
     make: Made | None = None
     """Write case `number` to a path; by default `mutated` of the seeds."""
 

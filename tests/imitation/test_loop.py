@@ -85,9 +85,8 @@ def test_noise_is_weighed_by_what_it_was_at_rest(arm, wave):
     assert missed[0] < 0.9 * noise and missed[0] < 0.9 * missed[1]
 
 
-def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind, monkeypatch):
-    monkeypatch.setattr(made_up_movement, "__defaults__", (1.0,))
-    mind = rehearse(load_body(arm, copies=REHEARSERS), arm_mind, seed=0)
+def test_rehearsal_chooses_among_its_candidates_by_what_was_felt(arm, arm_mind):
+    mind = rehearse(load_body(arm, copies=REHEARSERS), arm_mind, seed=0, seconds=1.0)
     assert set(mind.temper.eagerness) <= set(EAGERNESS)
     ways = {(0.1, 0.0), *OTHERWISE}
     assert set(zip(mind.temper.trust.tolist(), mind.temper.simple.tolist(), strict=True)) <= ways
