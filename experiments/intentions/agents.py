@@ -109,7 +109,7 @@ class Agent:
         free = HANDS.index("free")
         came = self._model.counts[0, kind, free].sum(0) > 0
         prior = wanted(self.play.ends[kind, free], came, MEMBERS)
-        if self.how.even_goals:
+        if self.how.even_goals and came.any():  # who never brought anything about wants what it wants
             prior = np.where(MEMBERS @ came > 0, prior > 0, 0.0)
         return np.asarray(prior / prior.sum())
 

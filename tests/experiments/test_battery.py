@@ -53,7 +53,7 @@ def grown(mind: Mind) -> Iterator[Grown]:
 @pytest.fixture(scope="module")
 def adult(grown: Grown) -> Adult:
     touch = demonstrated(grown.child, "panel", "press with the head", "lit by head", 4, 3)
-    return Adult(pool(grown.child, 9, played_with(grown.life), 6), {"live": touch, "room": touch})
+    return Adult(pool(grown.child, 9, played_with(grown.life), 6, 0), {"live": touch, "room": touch})
 
 
 def test_agents_of_one_childhood_differ_in_nothing_that_growing_up_depends_on() -> None:

@@ -118,6 +118,15 @@ def test_an_imitator_may_be_otherwise(change: dict[str, object]) -> None:
         assert len(set(agent.wants(KIND)[agent.wants(KIND) > 0])) == 1
 
 
+@pytest.mark.parametrize("change", [{}, {"even_goals": True}, {"trust": 0.0}, {"exponent": 0.0}, {"own_weight": 1.0}])
+def test_who_never_played_wants_something_all_the_same(change: dict[str, object]) -> None:
+    how = How(**change)  # type: ignore[arg-type]
+    agent = Agent(PLAY.nothing(), how)
+    assert agent.wants(KIND).sum() == pytest.approx(1)
+    did = agent.responds(agent.nothing_seen, KIND, ends, np.random.default_rng(0))
+    assert (did.primitives >= 0).all()
+
+
 def made_up(toy: str, acts: list[tuple[str, int]]) -> Looks:
     which, states = np.array([NAMES.index(name) for name, _ in acts]), np.array([state for _, state in acts])
     count = len(acts)
