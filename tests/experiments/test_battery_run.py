@@ -12,10 +12,13 @@ import experiments.battery.figures as figures
 import experiments.battery.run as battery
 from experiments.__main__ import main
 from experiments.battery.faces import Ward
+from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life
-from experiments.battery.sensitivity import Change
+from experiments.battery.options import Config
+from experiments.battery.parameters import QUICK
+from experiments.battery.sensitivity import Change, changes
 from experiments.battery.shards import Shard
-from experiments.battery.table import IMITATOR, WHOLE, Trial
+from experiments.battery.table import IMITATOR, WHOLE, Trial, tidy
 from experiments.face.watching import Look, Looking
 
 TOUCH = ("a week before", "nothing")
@@ -161,6 +164,24 @@ def test_what_cannot_be_meant_is_refused_before_anybody_lives(
     err = capsys.readouterr().err
     assert status == 2 and len(err.splitlines()) == 1 and not folder.exists() and not LIVED
     assert any(one in err for one in said.split("|"))
+
+
+def test_a_change_by_degrees_shows_in_few_agents_and_a_few_who_turn_round_do_not() -> None:
+    rows = []
+    for number in range(20):
+        block, usual = number // 2, number % 2 == 0
+        hits = 12 + block % 3 + (4 + block % 2) * usual
+        rows += [
+            Trial(number, block, WHOLE, IMITATOR, 2, "gaze, headband", "12 months", n, "", "", float(n < hits))
+            for n in range(20)
+        ]
+        rows.append(row(Life(number, block, QUICK, ()), "head touch", "live", usual or block > 3))
+    frame = tidy(rows, {number: {"exponent": (1.0, 0.5)[number % 2]} for number in range(20)})
+    found = changes(Battery(Config(agents=10), frame, (), 1, 1.0, None), rng=np.random.default_rng(0))
+    told = {str(one.cell): one.difference for one in found}
+    assert told["gaze, headband: 12 months"].value == pytest.approx(-0.225)
+    assert told["gaze, headband: 12 months"].high < 0
+    assert told["head touch: live"].value == pytest.approx(-0.4) and told["head touch: live"].high > 0
 
 
 def test_one_alone_asks_for_a_folder_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
