@@ -93,7 +93,7 @@ EXPERIMENTS: dict[str, Entry] = {
         ),
         Entry(
             "battery", "all stages, one growing mind each: populations of agents beside infants",
-            "--quick --vary exponent=0.5,1,2", "about a quarter of an hour on two cores", POPULATIONS,
+            "--quick --vary exponent=0.5,1,2", "about ten minutes on two cores", POPULATIONS,
         ),
         Entry(
             "fit", "how individuals and groups choose: Eq. (1) and (2) fitted to a table of choices",
