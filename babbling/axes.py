@@ -198,7 +198,7 @@ class Cells(NamedTuple):
         parts = table.reshape(-1, *rest).take(self.corner, axis=0)
         for number, share in enumerate(self.shares):
             parts *= share.reshape(2, *(1,) * (measured - 1 - number), *share.shape[1:], *(1,) * len(rest))
-        return np.asarray(parts.reshape(-1, *parts.shape[measured:]).sum(0) if measured else parts)
+        return np.asarray(parts.reshape(1 << measured, *parts.shape[measured:]).sum(0))
 
 
 def located(factors: int, axes: Sequence[Axis], values: Sequence[ArrayLike]) -> Cells:

@@ -227,6 +227,11 @@ def test_familiarity_is_that_of_the_nearest_action() -> None:
         np.testing.assert_allclose(found, m.visits[:, 1, nearest], rtol=1e-12)
 
 
+def test_who_is_nowhere_is_told_nothing() -> None:
+    m, nobody = line(2000)[0], np.zeros((0, 2))
+    assert m.at((nobody,)).expected(nobody).shape == (0, 2)
+
+
 def test_what_cannot_be_merged_or_made() -> None:
     with pytest.raises(BabblingError, match="only tables of one pilot"):
         model().merge(model(sizes=(4, 5, 7)))

@@ -13,8 +13,9 @@ from experiments.errors import ExperimentError
 from experiments.gaze import crowds
 from experiments.gaze.covered import own_experience
 from experiments.gaze.crowds import BEAD, HEAD_SHARE, Simple, jerky, with_eyes
+from experiments.gaze.infer import infer
 from experiments.gaze.run import Config, run
-from experiments.gaze.trials import WATCH_TILT, Trials, Watcher, straight, tilt_of, view
+from experiments.gaze.trials import TOYS, WATCH_TILT, Trials, Watcher, straight, tilt_of, view
 from experiments.shared.eyes import retina_of
 from experiments.shared.judging import calibration_error, interval_95
 from imitation.gaze.reader import EyeLore, facing
@@ -167,6 +168,20 @@ def sharp_trials(
     pose = turn(looks[np.arange(count), target], 1e-6, rng)
     nothing = np.zeros(count)
     return Trials(target, things, np.ones((count, 4)), pose, nothing > 0, nothing + 0.1, looks[:, 0])
+
+
+def test_many_beliefs_about_eyes_are_those_of_each_alone_and_of_nothing_seen_there_is_none() -> None:
+    who, rng = Watcher(Config(), None, None, HEAD, reader()), np.random.default_rng(0)  # type: ignore[arg-type]
+    turn = lambda aim, spread, rng: aim + 0.1  # noqa: E731
+    seen = sharp_trials(None, who, 12, rng, apart_deg=(15.0, 180.0), turn=turn, preference=None, radius=0.02)
+    sees = np.stack([np.zeros(12), np.full(12, 0.6), np.ones(12)])
+    found = infer(who, seen, TOYS, sees=sees)
+    for one, belief in zip(sees, found, strict=True):
+        np.testing.assert_array_equal(infer(who, seen, TOYS, sees=one), belief)
+    np.testing.assert_allclose(found.sum(-1), 1)
+    np.testing.assert_array_equal(found[2], infer(who, seen, TOYS))
+    assert (found[1].max(-1) < found[2].max(-1)).any()
+    assert not infer(who, seen._replace(things=np.full_like(seen.things, np.nan)), TOYS, sees=sees).any()
 
 
 def test_without_noise_all_rules_are_right_but_where_heads_turn_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
