@@ -87,13 +87,12 @@ def _intentions(
 ) -> Iterator[Trial]:
     """What was meant, and what is then done (Meltzoff 1995; Gergely et al. 2002; Carpenter et al. 1998)."""
     life, child = who.life, who.child
-    things = [thing for thing in who.own if ":" not in thing]
     how = How(**{name: getattr(life.how, name) for name in vars(How()) if hasattr(life.how, name)})
     task = Population(child, child, 0, who.own, adult.tries, 1, {USUAL: how}, life.seed)
     agent = Agent(child.play, how)
     for condition in CONDITIONS if without == WHOLE else UNPLAYED_CONDITIONS:
         toys = CONDITIONS[condition]
-        for toy in (toy for toy in toys if toy in things):
+        for toy in (toy for toy in toys if toy in who.own):
             found = each_answers(task, looks, bodies, condition, toy, [agent])
             if found is None:  # no try of the adult's was such a one
                 continue

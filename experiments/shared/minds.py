@@ -132,8 +132,8 @@ def learn_mind(
     else:
         found, model, first = left.mind.pilot, left.mind.forward_model, left.bouts_done
         rehearsed, (piloted, spent) = list(left.rehearsed), left.wall_s.tolist()
-    others = body_of(options, COPIES, stream=2) if judged else None
-    held_out = HeldOut(others, found, options.seed, () if left is None else left.points) if others else None
+    noted = () if left is None else left.points
+    held_out = HeldOut(body_of(options, COPIES, stream=2), found, options.seed, noted) if judged else None
     piloting = model.transitions / len(model.factors) - sum(plan[:first]) * copies  # transitions that it counted
 
     def look(within: bool) -> None:

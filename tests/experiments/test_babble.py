@@ -121,7 +121,7 @@ def test_killed_without_warning_again_and_again_and_repeated(
     out = tmp_path / "arm.nc"
     words = command(arm, out, "--sensor-noise-deg", "0.1")
     env = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
-    for when in ("after 2", "before 1", "after 3", "never"):
+    for when in ("after 2", "before 1", "after 3", "after 2", "never"):
         killed = subprocess.run(
             [sys.executable, "-c", KILLED, when, *words], cwd=ROOT, env=env, stdout=subprocess.DEVNULL, timeout=300
         )
@@ -148,6 +148,8 @@ def test_a_finished_babble_is_left_as_it_is_and_one_of_other_options_replaced(
     assert main(command(arm, out, "--sensor-noise-deg", "0.2")) == 0
     assert {path.name for path in tmp_path.iterdir()} == set(before)
     assert out.read_bytes() != before["arm.nc"]
+    assert main(command(arm, out, "--sensor-noise-deg", "0.1")) == 0
+    assert out.read_bytes() == before["arm.nc"]
 
 
 def test_the_file_works_where_it_was_made_for(whole: Path, arm: Path, wave: Path, hasty: None, tmp_path: Path) -> None:
@@ -224,10 +226,10 @@ def test_shards_make_no_difference(arm: Path, whole: Path, hasty: None, tmp_path
     assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
 
 
+@pytest.mark.parametrize("after", [1, 3])
 def test_interrupted_it_goes_on_in_other_shards(
-    arm: Path, whole: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arm: Path, whole: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
 ) -> None:
-    after = 3
     out, words = tmp_path / "arm.nc", ("--sensor-noise-deg", "0.1", "--workers", "1", "--shards")
     with monkeypatch.context() as patch:
         interrupting(after, patch)

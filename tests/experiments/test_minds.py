@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from babbling.files import save
 from babbling.pilot import begin, pilot_minutes
 from experiments.errors import ExperimentError
 from experiments.shared.held_out import HeldOut
@@ -35,6 +36,14 @@ def test_minutes_are_body_time_in_all(arm: Path, hasty: None, minutes: float) ->
     curve = learned.curve
     assert curve is not None and curve.unit == "deg" and len(curve.minutes) == len(curve.table) > 0
     assert curve.minutes[-1] == pytest.approx(spent) and curve.minutes[0] < learned.mind.pilot.minutes
+
+
+def test_who_is_not_judged_learns_the_very_same(arm: Path, hasty: None, tmp_path: Path) -> None:
+    for judged in (True, False):
+        learned = learn_mind(BodyOptions(robot=str(arm), threads=1), 0.6, lambda done: None, judged=judged)
+        save(learned.mind, tmp_path / f"{judged}.nc")
+        assert (learned.curve is not None) == bool(learned.metrics) == judged
+    assert (tmp_path / "True.nc").read_bytes() == (tmp_path / "False.nc").read_bytes()
 
 
 RAIL = """<mujoco><compiler autolimits="true"/><option timestep=".005" gravity="0 0 0"/><worldbody><body>
