@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from babbling.axes import FloatArray
+from babbling.axes import FloatArray, IntArray
 from babbling.play import HANDS
+from experiments.battery.films import OFF, Camera, Shot, handling
 from experiments.battery.life import UNPLAYED_CONDITIONS, Adult, Grown, Life, unplayed
 from experiments.battery.parameters import Parameters
 from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
@@ -14,8 +16,10 @@ from experiments.intentions.agents import Agent, How, sharpened
 from experiments.intentions.options import CONDITIONS
 from experiments.intentions.showing import SHOWS, Looks, likeness, looked_at
 from experiments.intentions.study import ADULT_ACTS, USUAL, Population, each_answers
+from experiments.intentions.trials import done as tried_out
 from experiments.objects.deciding import UNSEEN, remembered, respond
 from experiments.objects.showing import watched
+from experiments.shared.children import Child
 from imitation.acting.primitives import NAMES
 from imitation.inference.bayes import action_posterior
 from models.objects.states import LIT_BY_HEAD
@@ -29,13 +33,13 @@ MOVERS: tuple[str, ...] = ("person", "poles and pincers")
 LIT = "lit by head"
 
 
-def acting(who: Grown, lives: Sequence[Life], adult: Adult) -> Iterator[Trial]:
+def acting(who: Grown, lives: Sequence[Life], adult: Adult, camera: Camera = OFF) -> Iterator[Trial]:
     """All rows of these stages, of lives that began as this one; those who never played among them."""
     for without, one in ((WHOLE, who), ("play", unplayed(who))):
         seen = _looks(one, adult)
         for life in lives:
-            yield from _touches(without, replace(one, life=life), adult)
-            yield from _intentions(without, replace(one, life=life), adult, *seen)
+            yield from _touches(without, replace(one, life=life), adult, camera)
+            yield from _intentions(without, replace(one, life=life), adult, *seen, camera)
 
 
 def _looks(who: Grown, adult: Adult) -> tuple[dict[str, Looks], dict[str, FloatArray]]:
@@ -46,7 +50,7 @@ def _looks(who: Grown, adult: Adult) -> tuple[dict[str, Looks], dict[str, FloatA
     return looks, {body: likeness(who.hands, outline, body, rng) for body in MOVERS}
 
 
-def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
+def _touches(without: str, who: Grown, adult: Adult, camera: Camera) -> Iterator[Trial]:
     """A light panel that somebody lit with the forehead (Meltzoff 1988)."""
     life, play, rng = who.life, who.child.play, who.life.rng(6)
     goals, views = list[int](), tuple(VIEWS) if without == WHOLE else UNPLAYED_VIEWS
@@ -64,7 +68,10 @@ def _touches(without: str, who: Grown, adult: Adult) -> Iterator[Trial]:
     priors = [play.liking[kind, free] if goal == UNSEEN else play.outcomes.habits[0, kind, free] for goal in goals]
     weights = np.stack([chances(*pair, life.how) for pair in zip(likely, priors, strict=True)])
     done = respond(who.child, "panel", np.array(goals), life.how.acts, "matching", rng, first=100 * life.seed,
-                   otherwise=weights)  # fmt: skip
+                   otherwise=weights, keep=camera.on)  # fmt: skip
+    live = views.index("live")
+    first = NAMES[done.primitives[live, 0]]
+    camera.take("touch-2", lambda: handling(f"an agent: {first}", "panel", done.tried[0], live))
     for number, view in enumerate(views):
         first = NAMES[done.primitives[number, 0]]
         lit = float(done.ever(LIT_BY_HEAD)[number])
@@ -83,7 +90,7 @@ def chances(likelihood: FloatArray, prior: FloatArray, how: Parameters) -> Float
 
 
 def _intentions(
-    without: str, who: Grown, adult: Adult, looks: dict[str, Looks], bodies: dict[str, FloatArray]
+    without: str, who: Grown, adult: Adult, looks: dict[str, Looks], bodies: dict[str, FloatArray], camera: Camera
 ) -> Iterator[Trial]:
     """What was meant, and what is then done (Meltzoff 1995; Gergely et al. 2002; Carpenter et al. 1998)."""
     life, child = who.life, who.child
@@ -97,6 +104,8 @@ def _intentions(
             if found is None:  # no try of the adult's was such a one
                 continue
             meant = f"{toy} {SHOWS[toy].target}"
+            if (condition, toy) == ("failed", "dumbbell"):
+                camera.take("intentions-2", partial(_does, child, toy, found.first[:1], life.seed))
             rows = [(IMITATOR, NAMES[int(found.first[0])], found.ours)]
             if without == WHOLE:
                 rows += [("repeats the movement", "", found.mimic), ("wants the end seen", "", found.emulate)]
@@ -105,3 +114,9 @@ def _intentions(
                     life.agent, life.seed, without, peer, 4, "intention", condition.replace("_", " "),
                     toys.index(toy), first, meant, float(came[0]),
                 )  # fmt: skip
+
+
+def _does(child: Child, toy: str, which: IntArray, number: int) -> Shot:
+    """An act of its own, done once more to be filmed."""
+    _, tried = tried_out(child, toy, which, np.zeros(1, bool), number, keep=True)
+    return handling(f"an agent: {NAMES[int(which[0])]}", toy, tried, 0)

@@ -52,19 +52,33 @@ STAGES: Mapping[str, tuple[str, str, str]] = {
 """Name of the figure -> title, what it is, the command of the experiment whose protocol it is."""
 
 
+FILMS: Mapping[str, str] = {
+    "parts-1": "The first agent of all babbles before the mirror, after it has found its motors and senses.",
+    "movements-1": "The agent imitates another robot's movement (lines); a ghost where that should take it.",
+    "gaze-1": "What the agent's left eye sees: somebody turns to a toy; then it looks there.",
+    "face-1": "What an adult's face does, at half its pace.",
+    "face-2": "The newborn's three tries, each followed by rest, at half their pace.",
+    "touch-1": "An adult lights the panel with its forehead.",
+    "touch-2": "What the agent does first when it is given the panel.",
+    "intentions-1": "An adult who tries to pull a dumbbell apart, in vain.",
+    "intentions-2": "What the agent does first, who saw such tries.",
+}
+"""Name of a film -> what it shows; it stands with the figure of its name."""
+
+
 def stage_of(task: str) -> str:
     """The chapter that a task belongs to."""
     return next((name for begins, name in STARTS.items() if task.startswith(begins)), "intentions")
 
 
 def words(done: Battery) -> dict[str, str]:
-    """By figure, its heading."""
+    """By figure, its heading; by film, its caption."""
     found = {}
     for name, (title, what, command) in STAGES.items():
         rows = [row for row in done.rows if row.simulated is not None and stage_of(_task(row)) == name]
         beside = f"\n\n{beside_infants(rows)}" if rows else ""
         found[name] = f"## {title}\n\n{what} The experiment: `{command}`.{beside}"
-    return found
+    return found | {f"film-{name}": what for name, what in FILMS.items()}
 
 
 def beside_infants(rows: list[Row]) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from babbling.axes import IntArray
+from experiments.battery.films import OFF, Camera, adults_face, newborns_face
 from experiments.battery.life import Life
 from experiments.battery.table import IMITATOR, WHOLE, Trial
 from experiments.face.answering import answered
@@ -30,6 +31,7 @@ class Ward:
     lives: tuple[tuple[Life, ...], ...]
     """Of every newborn that is asked for; those that differ in nothing that its face depends on."""
     bank: tuple[Look, ...]
+    filmed: bool = False
 
     @property
     def label(self) -> str:
@@ -49,15 +51,18 @@ def bank(looking: Looking) -> list[Look]:
     return [look for look in watched(looking) if look.shown.gesture < len(GESTURES)]
 
 
-def faces(ward: Ward) -> list[Trial]:
+def faces(ward: Ward, camera: Camera = OFF) -> list[Trial]:
     """Every infant is shown every gesture, strong and weak, once."""
     infants = raised(group := Group(FACES["newborn"], 3000, WARD, ward.acts, ward.first))
     kinds = [(gesture, strong) for gesture in range(len(GESTURES)) for strong in (True, False)]
     of = [[look for look in ward.bank if (look.shown.gesture, look.shown.strong) == kind] for kind in kinds]
     rngs = [np.random.default_rng([ward.first + n, 0xBA77, 5]) for n in range(WARD)]
     mine = [[some[int(rng.integers(len(some)))] for some in of] for rng in rngs]
-    answers, _ = answered(group, infants, mine, TRIES)
+    answers, memories = answered(group, infants, mine, TRIES)
     places = [(alike[0].seed - ward.first, alike) for alike in ward.lives]
+    who = places[0][0]
+    camera.take("face-1", lambda: adults_face(mine[who][0]))
+    camera.take("face-2", lambda: newborns_face(group, infants[who], memories[len(kinds) * who]))
     return [row for n, alike in places for life in alike for row in _rows(life, infants[n], mine[n], answers.labels[n])]
 
 

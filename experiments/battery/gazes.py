@@ -6,11 +6,13 @@ import numpy as np
 
 from babbling.axes import FloatArray
 from experiments.battery.acting import chances
+from experiments.battery.films import OFF, Camera, following
 from experiments.battery.life import Life
 from experiments.battery.table import IMITATOR, WHOLE, Trial, joined
 from experiments.gaze.covered import AGES, TRAINING, own_experience
 from experiments.gaze.infer import infer
 from experiments.gaze.options import Config
+from experiments.gaze.scene import episode
 from experiments.gaze.trials import COPIES, TOYS, lesson_for_gaze, run_trials, shown, table_body
 from experiments.shared.caregiver import TURN_S
 from experiments.shared.eyes import learn_to_look, nursery
@@ -30,7 +32,7 @@ LIVES = {
 """Of those who follow: what has lain over their own eyes, by age and by training."""
 
 
-def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
+def gazes(lives: Sequence[Life], camera: Camera = OFF) -> Iterator[Trial]:
     """Every age and training meets every cloth; of lives that began as the first."""
     life = lives[0]
     config = Config(robot="hoap2", seed=life.seed, aim_deg=life.how.aim_deg)
@@ -38,6 +40,7 @@ def gazes(lives: Sequence[Life]) -> Iterator[Trial]:
     naive = lesson_for_gaze(config, eyes, LESSONS, life.seed, lambda share: None)
     body, rng = table_body(config, COPIES, 100 * life.seed + 11, TURN_S), life.rng(4)
     who = shown(naive, run_trials(body, naive, life.how.gaze_lessons, rng))
+    camera.take("gaze-1", lambda: following(episode(who, None, 0, life.seed)))
     met = {cloth: run_trials(body, who, COUNT, rng, cloth=kind) for cloth, kind in CLOTHS.items()}
     views = [pair[0] for pair in body.images]
     lores = [EyeLore() for _ in LIVES]

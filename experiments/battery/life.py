@@ -5,7 +5,7 @@ What a later stage needs of an earlier one it takes from there: a stage left out
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,12 @@ from babbling.errors import BabblingError
 from babbling.mind import Mind, Temper
 from babbling.pilot import begin
 from babbling.play import Play
+from experiments.battery.films import OFF, Camera, Film, Shot, babble, handling
 from experiments.battery.parameters import ALIKE, Parameters
 from experiments.intentions.options import CONDITIONS
 from experiments.intentions.showing import SHOWS
 from experiments.intentions.study import OBJECTS
-from experiments.intentions.trials import Trials, trials
+from experiments.intentions.trials import Trials, done, trials
 from experiments.objects.showing import ROOM_TABLE_M, Act, demonstrated
 from experiments.shared.children import Child
 from experiments.shared.minds import body_of, learn_mind
@@ -27,7 +28,8 @@ from experiments.shared.mirrors import image_of, look_into_mirror
 from experiments.shared.options import BodyOptions
 from experiments.shared.playing import CANDIDATES, SEATED, Tried
 from experiments.shared.rounds import PLAYED, empty, look_at_hands, play_on
-from models.objects.states import Watched
+from imitation.acting.primitives import NAMES
+from models.objects.states import STATES, Watched
 
 GLIMPSE_MINUTES = 0.3
 """Before a mirror, of those who are said to have had none."""
@@ -82,12 +84,13 @@ class Grown:
     """By thing, tries from which it does not learn: what becomes of what it does."""
 
 
-def grown(life: Life) -> Grown:
+def grown(life: Life, camera: Camera = OFF) -> Grown:
     """Body babbling, watching oneself, play."""
     child = _child(life)
     mind, minutes = child.mind, life.how.mirror_minutes
     mirrored = look_into_mirror(life.body, mind.pilot, minutes, life.how.seeing_noise_deg)
     limbs, glimpsed = image_of(mirrored, life.body, mind.pilot), None
+    camera.take("parts-1", lambda: babble(body_of(life.body, 1), mind.pilot, limbs, mirrored))
     with suppress(BabblingError):
         glimpsed = image_of(mirrored.first(GLIMPSE_MINUTES), life.body, mind.pilot)
     outline = look_at_hands(mind, life.seed, outline=True, minutes=minutes)
@@ -143,20 +146,33 @@ class Adult:
     tries: dict[str, Trials]
     touches: dict[str, Act]
     """With the forehead in the usual room, in another, and handling alone."""
+    films: dict[str, Film] = field(default_factory=dict)
 
 
-def adult(life: Life) -> Adult:
-    """Grown like all, played longer, and shows what there is to be seen."""
+def adult(life: Life, *, filmed: Life | None = None) -> Adult:
+    """Grown like all, played longer, and shows what there is to be seen; films of the one that is `filmed`."""
     longer = replace(life, how=replace(life.how, play_rounds=LONGER * life.how.play_rounds))
-    child = _child(longer)
+    child, camera = _child(longer), Camera(life == filmed)
     tries = pool(child, life.seed, played_with(life), CARELESS)
     shown = (("live", "press with the head", "lit by head", None), ("handled", "lift with both", None, None),
              ("room", "press with the head", "lit by head", ROOM_TABLE_M))  # fmt: skip
     touches = {
-        name: _light(demonstrated(child, "panel", act, state, 8, life.seed, table=table))
+        name: demonstrated(child, "panel", act, state, 8, life.seed, table=table, keep=camera.on)
         for name, act, state, table in shown
     }
-    return Adult(tries, touches)
+    live = touches["live"]
+    camera.take("touch-1", lambda: handling("an adult", "panel", live.tried, int(live.rows[0])))
+    camera.take("intentions-1", lambda: _in_vain(child, life.seed))
+    return Adult(tries, {name: _light(act) for name, act in touches.items()}, camera.films)
+
+
+def _in_vain(child: Child, number: int) -> Shot:
+    """An act with the dumbbell that fails, if one of a few careless ones does."""
+    show = SHOWS["dumbbell"]
+    which, careless = np.full(CARELESS, NAMES.index(show.act)), np.ones(CARELESS, bool)
+    tries, tried = done(child, "dumbbell", which, careless, number, keep=True)
+    failed = tries.rows(never=STATES.index(show.target))
+    return handling("an adult", "dumbbell", tried, int(failed[0]) if len(failed) else 0)
 
 
 def _light(act: Act) -> Act:

@@ -8,10 +8,12 @@ import numpy as np
 from babbling.axes import FloatArray
 from babbling.body_image import BodyImage
 from babbling.mind import Mind
+from experiments.battery.films import OFF, Camera
 from experiments.battery.life import Grown, hardly_babbled
 from experiments.battery.table import IMITATOR, WHOLE, Trial
 from experiments.correspondence.acts import act
 from experiments.shared.baselines import direct_replay
+from experiments.shared.film import shot
 from experiments.shared.judging import rmse_deg
 from experiments.shared.minds import body_of
 from experiments.shared.mirrors import Pupil, limbs_off_deg
@@ -33,7 +35,7 @@ ASTRAY = 1
 """Seed of the wiring of another's body."""
 
 
-def movements(who: Grown) -> Iterator[Trial]:
+def movements(who: Grown, camera: Camera = OFF) -> Iterator[Trial]:
     """All rows of these stages, ablations among them."""
     life, body = who.life, body_of(who.life.body, 1, stream=3)
     for without, limbs in ((WHOLE, who.limbs), ("mirror", who.glimpsed)):
@@ -49,10 +51,11 @@ def movements(who: Grown) -> Iterator[Trial]:
     rehearsers = body_of(life.body, REHEARSERS, stream=1)
     eager = best_eagerness(rehearsers, who.mind, line, life.seed, life.how.rehearsal_s)
     for name in SHOWN[: life.how.movements]:
-        yield from _imitated(who, name, body, hardly, {"inverse": line, "eagerness": eager})
+        yield from _imitated(who, name, body, hardly, {"inverse": line, "eagerness": eager}, camera)
 
 
-def _imitated(who: Grown, name: str, body: SimulatedBody, hardly: Mind, line: dict[str, object]) -> Iterator[Trial]:
+def _imitated(who: Grown, name: str, body: SimulatedBody, hardly: Mind, line: dict[str, object], camera: Camera
+) -> Iterator[Trial]:  # fmt: skip
     life, mind = who.life, who.mind
     plain = watch(name, body)
     seen = _understood(who, who.limbs, plain, body)
@@ -65,8 +68,11 @@ def _imitated(who: Grown, name: str, body: SimulatedBody, hardly: Mind, line: di
 
     body.reset()
     rest = np.broadcast_to(body.joint_angles[0], seen.angles.shape)
+    own = done(body)
+    ghost = body.configurations(seen.angles)
+    camera.take("movements-1", lambda: shot(name, body, body.configurations(own), ghost, plain.performance))
     ways = [
-        (WHOLE, IMITATOR, done(body), seen),
+        (WHOLE, IMITATOR, own, seen),
         (WHOLE, "inverse line", done(body, **line), seen),
         (WHOLE, "direct replay", direct_replay(body, seen.angles), seen),
         (WHOLE, "stays at rest", rest, seen),

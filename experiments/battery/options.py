@@ -33,6 +33,9 @@ class Config(ShardOptions):
     only: Annotated[int | None, within(0, 100_000_000), written("N", "all of them")] = None
     """One agent alone, by its number: its rows, no figures."""
 
+    without_films: Flag = False
+    """No films of the first agent and of whom it watches in the report."""
+
     def check(self) -> None:
         """See `Options`."""
         super().check()

@@ -3,12 +3,15 @@
 import os
 import time
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from experiments.battery.chapters import beside_infants, words
 from experiments.battery.faces import WARD, Ward, bank, faces, looks
 from experiments.battery.figures import figures
+from experiments.battery.films import Camera, Film
 from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life, adult
 from experiments.battery.options import Config
@@ -47,18 +50,22 @@ def run(config: Config) -> Result:
     asked = lives if config.only is None else [lives[config.only]]
     many = partial(attempted, workers=config.workers, scheduler=config.scheduler)
     grown_up = [Life(ADULT_SEEDS + n, first + ADULT_SEEDS + n, base, things) for n in range(ADULTS)]
-    adults = many(adult, grown_up, doing="adults grow up") if "objects" in config.stages else []
+    grow_up = partial(adult, filmed=None if config.without_films else grown_up[0])
+    adults = many(grow_up, grown_up, doing="adults grow up") if "objects" in config.stages else []
     filmed = succeeded(many(bank, looks(config.seed), doing="a face is filmed")) if "face" in config.stages else []
     whole = [one for one in adults if not isinstance(one, Failure)]
     stages = [stage for stage in config.stages if stage != "objects" or len(whole) == len(adults)]
-    wards, shards = tasks(stages, asked, tuple(look for some in filmed for look in some), whole)
-    to_do: list[Ward | Shard] = [*wards, *shards]
+    seen = tuple(look for some in filmed for look in some)
+    wards, shards = tasks(stages, asked, seen, [replace(one, films={}) for one in whole])
+    everything: list[Ward | Shard] = [*wards, *shards]
+    star = None if config.without_films else lives[0]
+    to_do = [replace(one, filmed=_first(one) is star) for one in everything]
     done = attempted(met, to_do, config.workers, "faces and lives", config.scheduler)
     failed = [str(one) for one in adults if isinstance(one, Failure)]
-    asked_for = [*(ward.lives[0][0] for ward in wards), *(shard.lives[0] for shard in shards)]
-    ended = zip(asked_for, done, strict=True)
+    ended = zip(map(_first, to_do), done, strict=True)
     failed += [f"{one}; alone: {alone(config, life)}" for life, one in ended if isinstance(one, Failure)]
-    rows = [row for some in done if not isinstance(some, Failure) for row in some]
+    there = [one for one in done if not isinstance(one, Failure)]
+    rows = [row for one in there for row in one.rows]
     if not rows:
         raise ExperimentError(f"nobody lived: {' | '.join(failed)}")
     frame = tidy(rows, {one.agent: one.factors for one in cells} if varied else None)
@@ -67,12 +74,31 @@ def run(config: Config) -> Result:
     battery = Battery(config, frame, tuple(failed), count, took_s, busy_s)
     drawn = figures(battery) if config.only is None else {}
     written = files(frame, explained(Parameters)) | {"effects.csv": lambda path: comma(battery.effects, path)}
+    films = [*(one.films for one in whole), *(one.films for one in there)]
+    written |= {f"film-{name}.gif": partial(_write, film) for some in films for name, film in some.items()}
     return Result(battery.metrics, summarise(battery), drawn, None, written, words(battery), tuple(failed))
 
 
-def met(task: Ward | Shard) -> list[Trial]:
+class Met(NamedTuple):
     """What newborns did, or all that agents of one childhood did."""
-    return faces(task) if isinstance(task, Ward) else lived(task)
+
+    rows: list[Trial]
+    films: dict[str, Film]
+
+
+def met(task: Ward | Shard) -> Met:
+    """See `Met`."""
+    camera = Camera(task.filmed)
+    rows = faces(task, camera) if isinstance(task, Ward) else list(lived(task, camera))
+    return Met(rows, camera.films)
+
+
+def _first(task: Ward | Shard) -> Life:
+    return task.lives[0][0] if isinstance(task, Ward) else task.lives[0]
+
+
+def _write(film: Film, path: Path) -> None:
+    path.write_bytes(film.tobytes())
 
 
 def _worked_s() -> float:

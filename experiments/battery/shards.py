@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from experiments.battery.acting import acting
+from experiments.battery.films import Camera
 from experiments.battery.gazes import gazes
 from experiments.battery.life import Adult, Life, grown
 from experiments.battery.movements import movements
@@ -18,6 +19,7 @@ class Shard:
     adult: Adult | None
     """For stages with objects."""
     stages: tuple[str, ...]
+    filmed: bool = False
 
     @property
     def label(self) -> str:
@@ -25,19 +27,15 @@ class Shard:
         return f"agent {self.lives[0].agent} (seed {self.lives[0].seed})"
 
 
-def lived(shard: Shard) -> list[Trial]:
+def lived(shard: Shard, camera: Camera) -> Iterator[Trial]:
     """All that these agents did."""
-    return list(_lived(shard))
-
-
-def _lived(shard: Shard) -> Iterator[Trial]:
     lives = shard.lives
     if "gaze" in shard.stages:
-        yield from gazes(lives)
+        yield from gazes(lives, camera)
     if {"movements", "objects"} & set(shard.stages):
-        who = grown(lives[0])
+        who = grown(lives[0], camera)
         if "movements" in shard.stages:
-            for row in movements(who):  # nothing in them comes after childhood
+            for row in movements(who, camera):  # nothing in them comes after childhood
                 yield from (replace(row, agent=life.agent) for life in lives)
         if "objects" in shard.stages and shard.adult is not None:
-            yield from acting(who, lives, shard.adult)
+            yield from acting(who, lives, shard.adult, camera)

@@ -1,7 +1,9 @@
 """What one infant saw of one adult, and did."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
 
 from babbling.axes import FloatArray, IntArray
 from babbling.dark import FaceMind
@@ -12,6 +14,8 @@ from experiments.face.theories import SAID
 from imitation.acting.matching import Tried
 from imitation.deferred import FaceMemory
 from imitation.seeing.face_fit import Seen
+from models.face import Face
+from models.face.body import NOISE, face_body
 from models.retina import Image
 
 TICK_S: Final = 0.02
@@ -62,3 +66,20 @@ class Done:
 def named(label: IntArray | int) -> str:
     """For people."""
     return SAID[int(label)]
+
+
+def slowly(
+    face: Face, mind: FaceMind, commands: FloatArray, scramble: int | None = None, seed: int = 0
+) -> tuple[Any, FloatArray, FloatArray, list[str]]:
+    """(K, M) motor lines once more, each followed by rest, tick by tick: the model, (T + 1, nq) configurations from
+    rest on, (T, S) senses, and what is done."""
+    body = face_body(face, tick_s=TICK_S, scramble=scramble, noise=NOISE, threads=1, seed=seed)
+    body.reset()
+    configurations, senses, doing = [np.array(body.batch.qpos[0])], list[FloatArray](), list[str]()
+    for number, command in enumerate(commands):
+        for line, what in ((command, f"try {number + 1}"), (mind.rest, "rests")):
+            for _ in range(ACT_TICKS):
+                senses.append(body.act(line[None])[0])
+                configurations.append(np.array(body.batch.qpos[0]))
+                doing.append(what)
+    return body.model, np.stack(configurations), np.stack(senses), doing

@@ -10,14 +10,13 @@ import rerun.blueprint as rrb
 from babbling.axes import FloatArray
 from babbling.relations import RELATIONS
 from experiments.face.judging import WHOSE
-from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named
+from experiments.face.once import ACT_TICKS, TICK_S, Done, Watched, named, slowly
 from experiments.shared import views
 from experiments.shared.eyes_recording import log_eyes
 from experiments.shared.palette import DEMONSTRATED, IMITATED, QUIET, REPLAYED, SERIES
 from experiments.shared.recording import log_body, log_series, log_states, recording
 from imitation.seeing.face_marks import POINTS
 from imitation.seeing.face_template import appear
-from models.face.body import NOISE, face_body
 from models.face.looks import FOCAL_PX, RETINA
 from models.shapes import parts
 
@@ -80,18 +79,12 @@ def _log_watched(stream: rr.RecordingStream, watched: Watched, after: int) -> in
 
 def _log_tries(stream: rr.RecordingStream, done: Done, begin: int) -> None:
     """The tries once more, tick by tick."""
-    face, config = done.group.face, done.config
-    body = face_body(face, tick_s=TICK_S, scramble=config.scramble, noise=NOISE, threads=1, seed=config.seed)
-    body.reset()
-    configurations, senses, doing = [np.array(body.batch.qpos[0])] * begin, [], ["watches"] * begin
-    for number, command in enumerate(done.tried.commands[:, 0]):
-        for line, what in ((command, f"try {number + 1}"), (done.mind.rest, "rests")):
-            for _ in range(ACT_TICKS):
-                senses.append(body.act(line[None])[0])
-                configurations.append(np.array(body.batch.qpos[0]))
-                doing.append(what)
-    log_body(stream, "world/infant", parts(body.model, np.stack(configurations)), TICK_S, offset=EYES_M)
-    _log_relations(stream, "felt", done.mind.landmarks.relations(np.stack(senses)), begin)
+    config, group = done.config, done.group
+    model, frames, senses, did = slowly(group.face, done.mind, done.tried.commands[:, 0], config.scramble, config.seed)
+    configurations = np.concatenate([np.repeat(frames[:1], begin, 0), frames[1:]])
+    doing = ["watches"] * begin + did
+    log_body(stream, "world/infant", parts(model, configurations), TICK_S, offset=EYES_M)
+    _log_relations(stream, "felt", done.mind.landmarks.relations(senses), begin)
     light = {what: IMITATED if what.startswith("try") else QUIET for what in doing}
     log_states(stream, "doing/infant", light, doing, TICK_S)
     target = np.repeat(done.memory.relations[None], len(senses), 0)

@@ -5,7 +5,7 @@ from fractions import Fraction
 from importlib import import_module
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -51,34 +51,45 @@ def filmed(
     if kind is None:
         return {}
     make = {"mp4": write_mp4, "gif": write_gif}[kind]
+    return {f"film.{kind}": lambda path: make(path, *shot(title, body, imitated, demonstrated, teacher, SIZES[kind]))}
+
+
+def shot(
+    title: str,
+    body: SimulatedBody,
+    imitated: FloatArray,
+    demonstrated: FloatArray | None = None,
+    teacher: Performance | None = None,
+    size: tuple[int, int] = SIZES["gif"],
+) -> tuple[Iterator[Image.Image], float]:
+    """Pictures, and how many a second: fewer and smaller ones of a body with fine meshes. See `filmed`."""
     figure = None if teacher is None else (stick_figure(teacher, len(imitated), body.tick_s), teacher.bones)
     coarse = 2 if body.model.nmeshface > FINE else 1
-    size, rate = (SIZES[kind][0] // coarse, SIZES[kind][1] // coarse), FRAMES_S / coarse
-    return {
-        f"film.{kind}": lambda path: make(path, frames(title, body, imitated, demonstrated, figure, size, rate), rate)
-    }
+    rate = FRAMES_S / coarse
+    return frames(title, body, imitated, demonstrated, figure, (size[0] // coarse, size[1] // coarse), rate), rate
 
 
 def frames(
     title: str,
     body: SimulatedBody,
     imitated: FloatArray,
-    demonstrated: FloatArray,
+    demonstrated: FloatArray | None,
     figure: tuple[FloatArray, Sequence[tuple[int, int]]] | None,
     size: tuple[int, int],
     rate: float = FRAMES_S,
 ) -> Iterator[Image.Image]:
-    """Pictures one after the other, so many pixels across and down and so many a second; `figure`: the teacher's
-    (T, K, 3) points and its bones."""
+    """Pictures one after the other, so many pixels across and down and so many a second; `demonstrated`: no ghost
+    where there is none; `figure`: the teacher's (T, K, 3) points and its bones."""
     scene, count = Filmed(body.model, GROUND, DEMONSTRATED), len(imitated)
     some = range(0, count, max(1, count // POINTS))
-    reach = [scene.corners(one[t]).reshape(-1, 3) for one in (imitated, demonstrated) for t in some]
+    moving = [imitated] if demonstrated is None else [imitated, demonstrated]
+    reach = [scene.corners(one[t]).reshape(-1, 3) for one in moving for t in some]
     view = view_of(np.concatenate(reach + ([] if figure is None else [figure[0].reshape(-1, 3)])), *size)
     total = max(1, int(count * body.tick_s * rate))
     with progress("filming") as report:
         for number in range(total):
             t = min(round(number / rate / body.tick_s), count - 1)
-            picture = Image.fromarray(scene.picture(view, imitated[t], demonstrated[t]))
+            picture = Image.fromarray(scene.picture(view, *(one[t] for one in moving)))
             pen = ImageDraw.Draw(picture)
             if figure is not None:
                 places = view.pixels(figure[0][t])
@@ -102,9 +113,10 @@ def write_mp4(path: Path, pictures: Iterator[Image.Image], rate: float = FRAMES_
         film.mux(stream.encode())
 
 
-def write_gif(path: Path, pictures: Iterator[Image.Image], rate: float = FRAMES_S) -> None:
+def write_gif(path: Path | BinaryIO, pictures: Iterator[Image.Image], rate: float = FRAMES_S) -> None:
     """Few colours, those of the first picture, for ever."""
     first = next(pictures)
     palette = first.quantize(COLOURS, dither=Image.Dither.NONE)
     more = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in chain([first], pictures))
-    next(more).save(path, save_all=True, append_images=more, duration=int(1000 / rate), loop=0, optimize=False)
+    how = {"save_all": True, "append_images": more, "duration": int(1000 / rate), "loop": 0, "optimize": False}
+    next(more).save(path, "GIF", **how)

@@ -54,28 +54,31 @@ def page(
         figures: file stem -> figure.
         folder: where the figures' files, the film, metrics.json and perhaps recording.rrd are already.
         provenance: what config.json says besides the options.
-        words: Markdown that stands before a figure, by its file stem.
+        words: Markdown that stands before a figure, by its file stem; captions of films that belong to one,
+            film-STEM-1.gif and so on, by theirs.
     """
     drawn = [
-        {"stem": stem, "caption": figure.get_label(), "data": bare(figure), "words": _html(words.get(stem, ""))}
+        {"stem": stem, "caption": figure.get_label(), "data": bare(figure), "words": _html(words.get(stem, "")),
+         "films": _films(folder, f"film-{stem}-[0-9].*", words)}
         for stem, figure in figures.items()
-    ]
-    films = [
-        {"kind": FILMS[file.suffix], "caption": FILMED, "data": _inline(file)}
-        for file in sorted(folder.glob("film.*"))
-        if file.suffix in FILMS
-    ]
+    ]  # fmt: skip
     return _template().render(
         name=name,
         line=EXPERIMENTS[name].line,
         command=command(name, config),
         summary=_html(summary),
         figures=drawn,
-        films=films,
+        films=_films(folder, "film.*", {"film": FILMED}),
         provenance=provenance,
         recording=(folder / "recording.rrd").exists(),
         metrics=(folder / "metrics.json").read_text(encoding="utf-8"),
     )
+
+
+def _films(folder: Path, named: str, words: Mapping[str, str]) -> list[dict[str, str]]:
+    """Those of such names, with their captions."""
+    files = [file for file in sorted(folder.glob(named)) if file.suffix in FILMS]
+    return [{"kind": FILMS[file.suffix], "caption": words[file.stem], "data": _inline(file)} for file in files]
 
 
 def _html(markdown: str) -> Markup:

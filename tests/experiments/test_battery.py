@@ -16,6 +16,7 @@ from experiments.battery.chapters import STAGES, stage_of
 from experiments.battery.effects import FEW, INSIDE, NOT_COMPARABLE, OTHER, OUTSIDE, SAME
 from experiments.battery.faces import Ward, bank, faces, looks
 from experiments.battery.figures import beside_infants, beside_signs
+from experiments.battery.films import Camera
 from experiments.battery.found import told
 from experiments.battery.infants import RATES, SIGNS, Cell
 from experiments.battery.life import Adult, Grown, Life, played_with, pool, unplayed
@@ -95,7 +96,9 @@ def test_a_choice_is_eq_1_with_trust_in_habit_and_an_exponent() -> None:
 def test_who_saw_the_forehead_uses_it_and_who_never_played_or_forgets_does_not(grown: Grown, adult: Adult) -> None:
     keen = [replace(grown.life, agent=n, how=replace(CALM, exponent=20.0)) for n in range(2)]
     sieve = replace(keen[0], agent=2, how=replace(keen[0].how, forgets=1.0))
-    found = tidy(acting(grown, [*keen, sieve], adult))
+    camera = Camera(on=True)
+    found = tidy(acting(grown, [*keen, sieve], adult, camera))
+    assert set(camera.films) == {"touch-2", "intentions-2"}
     touch = found[(found["task"] == "head touch") & (found["without"] == WHOLE)].set_index(["condition", "agent"])[
         "hit"
     ]
@@ -126,7 +129,9 @@ def test_every_infant_is_shown_every_gesture_once_and_is_itself_whoever_else_is_
     some = replace(QUICK, face_acts=60)
     seen = tuple(bank(looks(0)[0]))
     lives = [(Life(n, n, some, THINGS),) for n in range(2)]
-    found = tidy(faces(Ward(0, 60, tuple(lives), seen)))
+    camera = Camera(on=True)
+    found = tidy(faces(Ward(0, 60, tuple(lives), seen), camera))
+    assert set(camera.films) == {"face-1", "face-2"}
     counted = found[found["condition"] != "nothing shown"].groupby(["agent", "condition"]).size()
     assert len(counted) == 24 and (counted == 3).all()
     assert (found["hit"] == (found["response"] == found["target"])).all()

@@ -7,11 +7,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 
 import experiments.battery.figures as figures
 import experiments.battery.run as battery
 from experiments.__main__ import main
+from experiments.battery.chapters import FILMS, STAGES
 from experiments.battery.faces import Ward
+from experiments.battery.films import Camera, Shot
 from experiments.battery.found import Battery
 from experiments.battery.life import Adult, Life
 from experiments.battery.options import Config
@@ -26,7 +29,7 @@ LIVED = list[int]()
 FAILS = set[int]()
 
 
-def nobody(life: Life) -> Adult:
+def nobody(life: Life, filmed: Life | None = None) -> Adult:
     return Adult({}, {})
 
 
@@ -38,9 +41,15 @@ def row(life: Life, task: str, condition: str, hit: bool, without: str = WHOLE, 
     return Trial(life.agent, life.seed, without, who, 3, task, condition, 0, "", "", float(hit))
 
 
-def lived(shard: Shard) -> list[Trial]:
+def grey() -> Shot:
+    rng = np.random.default_rng(0)
+    return (Image.fromarray(rng.integers(0, 255, (6, 8, 3), np.uint8)) for _ in range(2)), 12.5
+
+
+def lived(shard: Shard, camera: Camera) -> list[Trial]:
     """Somebody who does it by a chance of its own, the likelier the larger the exponent."""
     rows = []
+    camera.take("touch-1", grey)
     for life in shard.lives:
         LIVED.append(life.agent)
         if life.agent in FAILS:
@@ -52,7 +61,7 @@ def lived(shard: Shard) -> list[Trial]:
     return rows
 
 
-def faced(ward: Ward) -> list[Trial]:
+def faced(ward: Ward, camera: Camera) -> list[Trial]:
     return [row(life, "face", "tongue out, strong", True) for alike in ward.lives for life in alike]
 
 
@@ -145,6 +154,34 @@ def test_it_says_how_busy_its_workers_were(run: Run) -> None:
     told = json.loads((folder / "metrics.json").read_text())
     assert status == 0 and told["workers"] == 1 and told["shards"] > 6
     assert 0 < told["efficiency_factor"] < 1.5 and told["shard_overhead_ms"] >= 0
+
+
+def test_the_first_agent_is_filmed_which_changes_nothing(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    on = list[int]()
+    monkeypatch.setattr(battery, "lived", lambda shard, camera: on.append(camera.on) or lived(shard, camera))
+    assert run("--agents", "3", "--stages", "objects")[0] == 0 and on == [True, False, False]
+    status, plain = run("--agents", "3", "--stages", "objects", "--without-films", out="plain")
+    assert status == 0 and not any(on[3:]) and not list(plain.glob("film*"))
+    folder = plain.with_name("it")
+    with Image.open(folder / "film-touch-1.gif") as film:
+        assert film.size == (8, 6) and film.n_frames == 2 and film.info["duration"] == 80
+    pd.testing.assert_frame_equal(table(folder), table(plain))
+    page = (folder / "report.html").read_text()
+    assert page.count("data:image/gif;base64,") == 1 and FILMS["touch-1"] in page
+    assert page.index("data:image/gif") > page.index(STAGES["touch"][0])
+    assert {name.rpartition("-")[0] for name in FILMS} == set(STAGES)
+
+
+def test_a_camera_takes_each_film_once_and_none_while_it_is_off() -> None:
+    def never() -> Shot:
+        raise AssertionError
+
+    Camera().take("a", never)
+    camera = Camera(on=True)
+    camera.take("a", grey)
+    first = camera.films["a"]
+    camera.take("a", never)
+    assert camera.films["a"] is first and first[:3].tobytes() == b"GIF"
 
 
 @pytest.mark.parametrize(
