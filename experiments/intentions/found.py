@@ -14,7 +14,7 @@ from experiments.intentions.showing import SHOWS, Shown, somebody
 from experiments.intentions.study import USUAL, Answers
 from experiments.intentions.trials import Trials
 from experiments.shared.children import Child
-from experiments.shared.judging import calibration_error, interval_95, over_learners
+from experiments.shared.judging import calibrations, interval_95, over_learners
 from experiments.shared.playing import Tried
 from imitation.acting.primitives import NAMES
 from imitation.inference.meaning import Meant
@@ -152,11 +152,9 @@ class Studied:
 def inferences(inferred: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How well goals were inferred from single presentations, over plays."""
     shares = list(inferred[0]["by_share"])
-    sure, right = (np.concatenate([one[key] for one in inferred]) for key in ("sure", "right"))
     return {
-        "goal_calibration_error": calibration_error(sure, right)[0],
-        "goal_calibration_error_by_play": [calibration_error(one["sure"], one["right"])[0] for one in inferred],
-        "goal_presentations": len(sure),
+        **calibrations("goal", [(one["sure"], one["right"]) for one in inferred]),
+        "goal_presentations": sum(len(one["sure"]) for one in inferred),
         "goal_accuracy": {
             rule: float(np.mean([one["rules"][rule] for one in inferred])) for rule in inferred[0]["rules"]
         },

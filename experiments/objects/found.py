@@ -11,7 +11,7 @@ from experiments.objects.deciding import UNSEEN, Response
 from experiments.objects.options import Config
 from experiments.objects.showing import Act
 from experiments.shared.children import Child
-from experiments.shared.judging import interval_95, over_learners
+from experiments.shared.judging import calibrations, interval_95, over_learners
 from imitation.acting.primitives import NAMES
 from imitation.deferred import ActMemory
 from models.objects.states import STATES
@@ -82,8 +82,8 @@ class Studied:
     @property
     def metrics(self) -> dict[str, Any]:
         """For metrics.json."""
-        table, alone, own = (np.array(self.all(key)) for key in ("table", "kind_alone", "of_play"))
-        gain = table[:, 1] - alone[:, 1]
+        table, alone, own = (self.all(key) for key in ("table", "kind_alone", "of_play"))
+        gain = np.array([one[2] - other[2] for one, other in zip(table, alone, strict=True)])
         new = {toy: [one[toy] for one in self.all("new")] for toy in self.all("new")[0]}
         shares = {
             toy: {key: float(np.mean([one[key].mean() for one in ones])) for key in ("first", "own")}
@@ -94,9 +94,8 @@ class Studied:
             **rates("primitive_success", self.primitives),
             "creep_mm_per_s": max(self.all("creep_mm_per_s")),
             **rates("apart_rate", {"below": self.all("below"), "above": self.all("above")}, flat=True),
-            "outcome_calibration_error": float(table[:, 0].mean()),
-            "outcome_calibration_error_by_play": table[:, 0],
-            "outcome_calibration_error_of_play": float(own[:, 0].mean()),
+            **calibrations("outcome", [one[:2] for one in table]),
+            **calibrations("outcome_of_play", [one[:2] for one in own]),
             "outcome_gain_bits": float(gain.mean()),
             "outcome_gain_bits_interval": spread(gain),
             **rates("recognition", {key: self.all(f"by_{key}") for key in ("points", "pixels")}, flat=True),

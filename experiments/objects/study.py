@@ -12,7 +12,6 @@ from experiments.objects.deciding import UNSEEN, decide, remembered, respond
 from experiments.objects.showing import ROOM_TABLE_M, demonstrated, performed, watched
 from experiments.objects.week import a_week_later
 from experiments.shared.children import Child, born
-from experiments.shared.judging import calibration_error
 from experiments.shared.playing import at_table
 from experiments.shared.rounds import PLAYED, empty, play_on
 from imitation.acting.aiming import aims
@@ -179,12 +178,10 @@ def watching(task: Task) -> dict[str, Any]:
     return {"by_points": np.concatenate(points), "by_pixels": np.concatenate(pixels)}
 
 
-def scored(probability: FloatArray, came: IntArray) -> FloatArray:
-    """(2,) of (N, O) beliefs: calibration error of the likeliest, and log2 likelihood, bits."""
-    best = probability.argmax(1)
-    off = calibration_error(probability[np.arange(len(came)), best], best == came)[0]
+def scored(probability: FloatArray, came: IntArray) -> tuple[FloatArray, BoolArray, float]:
+    """Of (N, O) beliefs: (N,) confidence in the likeliest, whether it came, and log2 likelihood, bits."""
     bits = np.log2(np.maximum(probability[np.arange(len(came)), came], 1e-3)).mean()
-    return np.array([off, bits])
+    return probability.max(1), probability.argmax(1) == came, float(bits)
 
 
 def new(task: Task) -> dict[str, Any]:

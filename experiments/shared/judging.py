@@ -1,6 +1,6 @@
 """How good something was: errors, learning curves, calibration, intervals; for those who judge."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -68,6 +68,25 @@ def calibration_error(confidence: FloatArray, right: BoolArray, bins: int = 10) 
     count = np.bincount(index, minlength=bins)
     sure, hits = (np.bincount(index, each, bins) / np.maximum(count, 1) for each in (confidence, right))
     return float(np.average(np.abs(sure - hits), weights=count)), np.stack([sure, hits, count], 1)
+
+
+def calibration_of_chance(confidence: FloatArray, bins: int = 10) -> float:
+    """What `calibration_error` of (N,) confidences would be on average if they were exactly right, for of few trials in a
+    bin accuracy differs from them by chance: sum_b sqrt(2 / pi sum_{i in b} p_i (1 - p_i)) / N in the limit of many."""
+    index = np.minimum((confidence * bins).astype(int), bins - 1)
+    return float(np.sqrt(2 / np.pi * np.bincount(index, confidence * (1 - confidence), bins)).sum() / len(confidence))
+
+
+def calibrations(name: str, learners: Sequence[tuple[FloatArray, BoolArray]]) -> dict[str, Any]:
+    """Calibration error over all trials of several learners, each its (N,) confidences and whether they were right; of
+    each alone; and what chance alone would show in either."""
+    sure, right = (np.concatenate(each) for each in zip(*learners, strict=True))
+    return {
+        f"{name}_calibration_error": calibration_error(sure, right)[0],
+        f"{name}_calibration_of_chance": calibration_of_chance(sure),
+        f"{name}_calibration_error_by_play": [calibration_error(*one)[0] for one in learners],
+        f"{name}_calibration_of_chance_by_play": [calibration_of_chance(one) for one, _ in learners],
+    }
 
 
 def scores(probability: FloatArray, target: IntArray) -> FloatArray:

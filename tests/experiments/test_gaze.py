@@ -17,7 +17,7 @@ from experiments.gaze.infer import infer
 from experiments.gaze.run import Config, run
 from experiments.gaze.trials import TOYS, WATCH_TILT, Trials, Watcher, straight, tilt_of, view
 from experiments.shared.eyes import retina_of
-from experiments.shared.judging import calibration_error, interval_95
+from experiments.shared.judging import calibration_error, calibration_of_chance, calibrations, interval_95
 from imitation.gaze.reader import EyeLore, facing
 from imitation.inference.bayes import goal_posterior
 from imitation.seeing.stereo import Geometry
@@ -57,6 +57,19 @@ def test_calibration_error_of_known_tables() -> None:
     error, bins = calibration_error(np.full(100, 0.95), np.arange(100) < 50)
     assert error == pytest.approx(0.45)
     assert bins[:, 2].sum() == 100
+
+
+@pytest.mark.parametrize("count", [60, 800])
+def test_what_a_belief_that_is_right_shows_by_chance(count: int) -> None:
+    rng = np.random.default_rng(5)
+    sure = rng.beta(4, 2, count)
+    shown = [calibration_error(sure, rng.random(count) < sure)[0] for _ in range(400)]
+    assert calibration_of_chance(sure) == pytest.approx(np.mean(shown), rel=0.06)
+    learners = [(sure, rng.random(count) < sure) for _ in range(9)]
+    told = calibrations("a", learners)
+    assert told["a_calibration_of_chance"] == pytest.approx(calibration_of_chance(sure) / 3)
+    assert told["a_calibration_error"] < np.mean(told["a_calibration_error_by_play"])
+    assert calibration_of_chance(np.ones(5)) == 0
 
 
 @pytest.mark.parametrize(("hits", "count"), [(0, 7), (3, 20), (20, 20)])
