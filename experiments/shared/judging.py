@@ -71,8 +71,8 @@ def calibration_error(confidence: FloatArray, right: BoolArray, bins: int = 10) 
 
 
 def calibration_of_chance(confidence: FloatArray, bins: int = 10) -> float:
-    """What `calibration_error` of (N,) confidences would be on average if they were exactly right, for of few trials in a
-    bin accuracy differs from them by chance: sum_b sqrt(2 / pi sum_{i in b} p_i (1 - p_i)) / N in the limit of many."""
+    """What `calibration_error` of (N,) confidences would be on average if they were exactly right, for of few trials in
+    a bin accuracy differs from them by chance: sum_b sqrt(2 / pi sum_{i in b} p_i (1 - p_i)) / N, of many."""
     index = np.minimum((confidence * bins).astype(int), bins - 1)
     return float(np.sqrt(2 / np.pi * np.bincount(index, confidence * (1 - confidence), bins)).sum() / len(confidence))
 
