@@ -60,7 +60,10 @@ class Play(OfOneBody):
     """P(state' | kind, primitive, aim), one factor for each of `AIMS`, as shares of `SPREAD` from `MIDDLE`."""
     moved: Annotated[IntArray, Numbers(f"{_ACTS} feature", low=-MOST, high=MOST, scale=FINE)]
     """(K, A, D) sums of where one's parts were seen, m."""
-    moved_squares: Annotated[IntArray, Numbers(f"{_ACTS} feature", low=0, high=MOST, scale=FINE**2)]
+    moved_products: Annotated[
+        IntArray, Numbers("feature feature", low=-MOST, high=MOST, covariance=True, scale=FINE**2)
+    ]
+    """(D, D) sums of their products, over all kinds and primitives."""
     strain: Annotated[IntArray, Numbers(_ACTS, "rad2", low=0, high=MOST, scale=FINE)]
     """(K, A) sums of the farthest from rest that one's posture was, rad^2."""
     rounds: Annotated[int, Numbers(low=0)]
@@ -96,9 +99,9 @@ class Play(OfOneBody):
             fingerprint=fingerprint,
         )
         acts = (len(kinds), len(primitives))
-        moved, none = np.zeros((*acts, features), np.int64), np.zeros(acts, np.int64)
+        moved, products = np.zeros((*acts, features), np.int64), np.zeros((features, features), np.int64)
         each = np.zeros((children, *outcomes.counts.shape[1:]), np.int64)
-        return cls(fingerprint, outcomes, each, aims, moved, moved.copy(), none, 0, 0)
+        return cls(fingerprint, outcomes, each, aims, moved, products, np.zeros(acts, np.int64), 0, 0)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -175,7 +178,7 @@ class Play(OfOneBody):
         at = (np.full(len(which), kind), which)
         seen = np.rint(features / FINE).astype(np.int64)
         np.add.at(new.moved, at, seen)
-        np.add.at(new.moved_squares, at, seen**2)
+        new.moved_products[:] = seen.T @ seen
         np.add.at(new.strain, at, np.rint(strain / FINE).astype(np.int64))
         shares = np.clip((aims - MIDDLE) / SPREAD, -1, 1)
         rows = [np.broadcast_to(np.asarray(value)[:, None], shares.shape) for value in (*at, states)]
@@ -207,7 +210,7 @@ class Play(OfOneBody):
         for one in (self, other):
             both.outcomes.merge(one.outcomes)
             both.aims.merge(one.aims)
-        summed = ("each", "moved", "moved_squares", "strain", "rounds", "milliseconds")
+        summed = ("each", "moved", "moved_products", "strain", "rounds", "milliseconds")
         return replace(both, **{name: getattr(self, name) + getattr(other, name) for name in summed})
 
     def practised(self, kind: int) -> IntArray:

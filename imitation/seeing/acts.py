@@ -1,15 +1,17 @@
 """Recognising what somebody does with a thing: P(seen movement | primitive) from one's own play.
 
 In play one has seen one's own hands and forehead move around things. Another's are seen from elsewhere, of another
-size, or on a screen: for every primitive the best way of looking at it is found, and what then remains decides,
+size, or on a screen: for every primitive the likeliest way of looking at it is found, and what then remains decides,
 
-    log P(seen | kind, primitive) = - TEMPER / 2 sum_i (r_i^2 / v_i + log v_i),   r = seen - (look of one's own mean),
+    log P(seen | kind, primitive) = - TEMPER / 2 (r' C^-1 r + log |C|),   r = seen - (look of one's own mean),
 
-v being how much one's own movements with such things vary about their means, at that size (one v for all primitives,
-for few were done of each). A look at places is a similarity: a turn about any axis, a size, a shift; a look at a screen
-is an affine camera (one image shows no depth). Where the camera is need not be known.
+C being how one's own movements vary about their means, all places and moments together, at that size (one C for all
+kinds and primitives, for few were done of each), and how exactly one sees. A look at places is a similarity: a turn
+about any axis, a size, a shift; a look at a screen is an affine camera (one image shows no depth). Where the camera is
+need not be known.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -18,11 +20,12 @@ from babbling.axes import FloatArray
 from babbling.play import FINE, Play
 from imitation.errors import ImitationError
 
-TEMPER: Final = 1 / 6
-"""Neighbouring looks and coordinates say nearly the same: so much of their number counts."""
+TEMPER: Final = 1.0
+"""Others move as one does oneself, or not quite: so much of what is seen counts."""
 LEAST_M: Final = 0.003
 """m added to how much one's own movements vary: no better are they seen."""
 PARTS: Final = 3
+Misfit = Callable[[FloatArray], FloatArray]
 NEVER: Final = -1e6
 """Log likelihood of what one has never done with such a thing."""
 
@@ -69,15 +72,11 @@ def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> F
     points = np.concatenate([seen[:, :, :PARTS].reshape(count, looks * PARTS, -1), seen[:, 0, PARTS:]], 1)
     there = np.isfinite(points).all(-1)
     points = np.where(there[..., None], points, 0)
-    found = np.full((count, len(play.outcomes.action.labels)), NEVER)
-    spread = one_s_spread(play, kind)
-    weight = there / spread**2
+    found, covariance = np.full((count, len(play.outcomes.action.labels)), NEVER), one_s_covariance(play)
+    weight = there / np.diag(covariance).reshape(-1, PARTS).mean(1)
+    fits = (_on_places if points.shape[-1] == PARTS else _on_a_screen)(points, weight, covariance, noise)
     for primitive in np.flatnonzero(play.tried[kind]):
-        mean = one_s_own(play, kind, int(primitive))
-        shown, size = _similar(mean, points, weight) if points.shape[-1] == 3 else _affine(mean, points, weight)
-        variance = (size[:, None] * spread) ** 2 + noise**2
-        missed = ((points - shown) ** 2).sum(-1) / variance + points.shape[-1] * np.log(variance / size[:, None] ** 2)
-        found[:, primitive] = -TEMPER / 2 * (missed * there).sum(1)
+        found[:, primitive] = -TEMPER / 2 * fits(one_s_own(play, kind, int(primitive)))
     return found
 
 
@@ -92,17 +91,66 @@ def one_s_own(play: Play, kind: int, primitive: int) -> FloatArray:
     return np.asarray(play.moved[kind, primitive] * FINE / play.tried[kind, primitive]).reshape(-1, 3)
 
 
-def one_s_spread(play: Play, kind: int) -> FloatArray:
-    """(P,) m per axis, how much each point varies about the means of all primitives, pooled."""
-    count = play.tried[kind][:, None]
-    mean = play.moved[kind] * FINE / np.maximum(count, 1)
-    within = (play.moved_squares[kind] * FINE**2 - count * mean**2).sum(0)
-    variance = np.maximum(within, 0) / max(int(count.sum()) - len(count), 1)
-    return np.asarray(np.sqrt(variance.reshape(-1, 3).mean(1) + LEAST_M**2))
+def one_s_covariance(play: Play) -> FloatArray:
+    """(D, D) m^2, how the numbers of `described` vary about the means of all kinds and primitives, pooled."""
+    count, sums = play.tried.reshape(-1, 1), play.moved.reshape(-1, play.moved.shape[-1]) * FINE
+    done = count[:, 0] > 0
+    within = play.moved_products * FINE**2 - sums[done].T @ (sums[done] / count[done])
+    free = max(int(count.sum() - done.sum()), 1)
+    return np.asarray(within / free + LEAST_M**2 * np.eye(len(within)))
+
+
+def _on_places(points: FloatArray, weight: FloatArray, covariance: FloatArray, noise: float) -> Misfit:
+    """(P, 3) means to (N,) r' C^-1 r + log |C| of (N, P, 3) points, in one's own frame; hidden ones have no weight."""
+    patterns, which = np.unique(np.repeat(weight > 0, PARTS, 1), axis=0, return_inverse=True)
+    principal = [np.linalg.eigh(covariance[np.ix_(seen, seen)]) for seen in patterns]
+
+    def misfit(mean: FloatArray) -> FloatArray:
+        off, size = _similar(mean, points, weight)
+        turns = np.cross(np.eye(PARTS)[:, None], mean)
+        nearly = np.concatenate([turns, mean[None], np.repeat(np.eye(PARTS)[:, None], len(mean), 1)]).reshape(7, -1)
+        found = np.empty(len(points))
+        for number, (seen, (variance, axes)) in enumerate(zip(patterns, principal, strict=True)):
+            rows = np.flatnonzero(which.ravel() == number)
+            total = np.maximum(variance, LEAST_M**2) + (noise / size[rows, None]) ** 2
+            along, free = off[rows].reshape(len(rows), -1)[:, seen] @ axes, nearly[:, seen] @ axes
+            known = np.einsum("id,nd,jd->nij", free, 1 / total, free)
+            found[rows] = (along**2 / total + np.log(total)).sum(1) - _given_way(known, (along / total) @ free.T)
+        return found
+
+    return misfit
+
+
+def _on_a_screen(points: FloatArray, weight: FloatArray, covariance: FloatArray, noise: float) -> Misfit:
+    """The same of (N, P, 2) points, at one's own size."""
+    count = points.shape[1]
+    own = covariance.reshape(count, PARTS, count, PARTS).swapaxes(1, 2)
+
+    def misfit(mean: FloatArray) -> FloatArray:
+        off, camera, size = _affine(mean, points, weight)
+        free = np.kron(np.column_stack([mean, np.ones(count)]), np.eye(2))
+        found = np.empty(len(points))
+        for n, seen in enumerate(weight > 0):
+            look, rows = camera[n] / size[n], np.repeat(seen, 2)
+            shown = (look @ own[np.ix_(seen, seen)] @ look.T).swapaxes(1, 2).reshape(rows.sum(), -1)
+            whole, missed = shown + (noise / size[n]) ** 2 * np.eye(len(shown)), (off[n, seen] / size[n]).ravel()
+            known = np.linalg.solve(whole, np.column_stack([free[rows], missed]))
+            left = _given_way(free[rows].T @ known[None, :, :-1], (free[rows].T @ known[:, -1])[None])
+            found[n] = missed @ known[:, -1] - left[0] + np.linalg.slogdet(whole)[1]
+        return found
+
+    return misfit
+
+
+def _given_way(known: FloatArray, along: FloatArray) -> FloatArray:
+    """(N,) by how much r' C^-1 r falls if one looks a little otherwise, as fits best by C: b' A^-1 b, A = J' C^-1 J (N,
+    K, K), b = J' C^-1 r (N, K), J what such a change does to what is seen."""
+    return np.asarray((along * np.linalg.solve(known, along[..., None])[..., 0]).sum(1))
 
 
 def _similar(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Weighted Procrustes (Umeyama 1991): (N, P, 3) s R mean + t nearest to the points, and (N,) s."""
+    """Weighted Procrustes (Umeyama 1991): s R mean + t nearest to the points; (N, P, 3) what remains, turned and scaled
+    back, R' (points - t) / s - mean, and (N,) s."""
     total = weight.sum(1)[:, None]
     ours = (weight[..., None] * mean).sum(1) / total
     theirs = (weight[..., None] * points).sum(1) / total
@@ -112,13 +160,15 @@ def _similar(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[
     sign[:, 2] = np.sign(np.linalg.det(u @ vt))
     turn = (u * sign[:, None]) @ vt
     size = (s * sign).sum(1) / np.einsum("np,npi->n", weight, x**2)
-    return size[:, None, None] * np.einsum("nij,npj->npi", turn, x) + theirs[:, None], size
+    size = np.maximum(size, 1e-9)
+    return np.einsum("nji,npj->npi", turn, y) / size[:, None, None] - x, size
 
 
-def _affine(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Weighted least squares: (N, P, 2) M mean + t nearest to the points, and (N,) the size of M per axis."""
+def _affine(mean: FloatArray, points: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Weighted least squares: M mean + t nearest to the points; (N, P, 2) what remains, (N, 2, 3) M, (N,) its size."""
     given = np.concatenate([mean, np.ones((len(mean), 1))], 1)
     gram = np.einsum("np,pi,pj->nij", weight, given, given)
     camera = np.linalg.solve(gram, np.einsum("np,pi,npj->nij", weight, given, points))
-    size = np.sqrt((camera[:, :3] ** 2).sum((1, 2)) / 2)
-    return np.einsum("pi,nij->npj", given, camera), np.maximum(size, 1e-9)
+    look = camera[:, :PARTS].swapaxes(1, 2)
+    size = np.maximum(np.sqrt((look**2).sum((1, 2)) / 2), 1e-9)
+    return points - np.einsum("pi,nij->npj", given, camera), look, size

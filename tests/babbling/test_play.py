@@ -65,7 +65,7 @@ def handled(which: np.ndarray, states: np.ndarray, aims: np.ndarray, strain: np.
 def numbers(play: Play) -> dict[str, np.ndarray]:
     whole = {
         name: np.asarray(getattr(play, name))
-        for name in ("each", "moved", "moved_squares", "strain", "rounds", "minutes")
+        for name in ("each", "moved", "moved_products", "strain", "rounds", "minutes")
     }
     for name, model in (("outcomes", play.outcomes), ("aims", play.aims)):
         whole |= {name: model.counts, f"{name} moments": model.moments.sums, f"{name} P": model.predictive}
