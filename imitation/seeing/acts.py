@@ -20,8 +20,9 @@ from babbling.axes import FloatArray
 from babbling.play import FINE, Play
 from imitation.errors import ImitationError
 
-TEMPER: Final = 1.0
-"""Others move as one does oneself, or not quite: so much of what is seen counts."""
+TEMPER: Final = 0.2
+"""Others move nearly as one does oneself: so much of what is seen counts. With it one is right as often as one is sure,
+in two plays by which nothing else is judged."""
 LEAST_M: Final = 0.003
 """m added to how much one's own movements vary: no better are they seen."""
 PARTS: Final = 3
@@ -92,12 +93,19 @@ def one_s_own(play: Play, kind: int, primitive: int) -> FloatArray:
 
 
 def one_s_covariance(play: Play) -> FloatArray:
-    """(D, D) m^2, how the numbers of `described` vary about the means of all kinds and primitives, pooled."""
+    """(D, D) m^2, how the numbers of `described` vary about the means of all kinds and primitives, pooled; correlations
+    shrunk, the more the fewer the tries, to none (oracle approximating shrinkage: Chen et al. 2010, eq. 23)."""
     count, sums = play.tried.reshape(-1, 1), play.moved.reshape(-1, play.moved.shape[-1]) * FINE
     done = count[:, 0] > 0
     within = play.moved_products * FINE**2 - sums[done].T @ (sums[done] / count[done])
-    free = max(int(count.sum() - done.sum()), 1)
-    return np.asarray(within / free + LEAST_M**2 * np.eye(len(within)))
+    free, size = max(int(count.sum() - done.sum()), 1), len(within)
+    found = within / free + LEAST_M**2 * np.eye(size)
+    scale = np.sqrt(np.diag(found))
+    correlation = found / np.outer(scale, scale)
+    squares = (correlation**2).sum()
+    shrunk = ((1 - 2 / size) * squares + size**2) / ((free + 1 - 2 / size) * max(squares - size, 1e-9))
+    keep = 1 - min(shrunk, 1.0)
+    return np.asarray(np.outer(scale, scale) * (keep * correlation + (1 - keep) * np.eye(size)))
 
 
 def _on_places(points: FloatArray, weight: FloatArray, covariance: FloatArray, noise: float) -> Misfit:
@@ -114,7 +122,7 @@ def _on_places(points: FloatArray, weight: FloatArray, covariance: FloatArray, n
             rows = np.flatnonzero(which.ravel() == number)
             total = np.maximum(variance, LEAST_M**2) + (noise / size[rows, None]) ** 2
             along, free = off[rows].reshape(len(rows), -1)[:, seen] @ axes, nearly[:, seen] @ axes
-            known = np.einsum("id,nd,jd->nij", free, 1 / total, free)
+            known = (free / total[:, None]) @ free.T
             found[rows] = (along**2 / total + np.log(total)).sum(1) - _given_way(known, (along / total) @ free.T)
         return found
 

@@ -49,7 +49,21 @@ def test_how_one_varies_is_the_covariance_about_the_means(as_shown: None) -> Non
     np.testing.assert_allclose(found, root @ root.T + LEAST_M**2 * np.eye(D), atol=0.2 * found.max())
     means = play.moved[:, :3] * FINE / 200
     brute = play.moved_products * FINE**2 - 200 * np.einsum("kad,kae->de", means, means)
-    np.testing.assert_allclose(found - LEAST_M**2 * np.eye(D), brute / (1200 - 6), atol=1e-9)
+    np.testing.assert_allclose(np.diag(found), np.diag(brute) / (1200 - 6) + LEAST_M**2, rtol=1e-9)
+    kept = (found - np.diag(np.diag(found))) * (1200 - 6) / np.where(np.eye(D) > 0, 1, brute)
+    kept = kept[~np.eye(D, dtype=bool)]
+    np.testing.assert_allclose(kept, kept[0], rtol=1e-6)
+    assert 0.99 < kept[0] < 1
+
+
+def test_of_few_tries_correlations_are_hardly_believed(as_shown: None) -> None:
+    rng, play = np.random.default_rng(0), Play.empty("me", KINDS, ACTS, ("same", "else"), D)
+    which, zero = np.repeat([0, 1], 4), np.zeros(8, int)
+    told = which, zero, np.zeros((8, 5)), 0.05 * rng.standard_normal((8, D)), zero.astype(float), zero
+    few = one_s_covariance(play.after(0, HANDS.index("free"), *told, minutes=1))
+    apart = few / np.sqrt(np.outer(np.diag(few), np.diag(few)))
+    assert np.abs(apart - np.eye(D)).max() < 0.35
+    assert (np.linalg.eigvalsh(few) > 0).all()
 
 
 def test_it_is_the_gaussian_of_what_is_seen_once_the_camera_is_known(as_shown: None, monkeypatch) -> None:
