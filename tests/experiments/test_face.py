@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rerun.experimental import RrdReader
+from rerun.chunk import RrdReader
 
 from babbling.dark import FaceMind
 from babbling.files import load
