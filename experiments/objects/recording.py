@@ -8,6 +8,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from matplotlib.figure import Figure
 
+from babbling.axes import FloatArray
 from experiments.objects.found import Done
 from experiments.objects.options import words
 from experiments.shared import views
@@ -84,15 +85,21 @@ def _log_imitator(stream: rr.RecordingStream, done: Done) -> None:
 def log_touch(stream: rr.RecordingStream, tries: Sequence[Tried], waited: int = 0) -> None:
     """What hands and forehead felt, one try after the other, after so many ticks of nothing."""
     for n, part in enumerate(PARTS):
-        felt = np.concatenate([np.zeros(waited), *(tried.touch[:, 0, n] for tried in tries)])
+        felt = np.concatenate([np.zeros(waited), *(_felt(tried)[:, 0, n] for tried in tries)])
         log_series(stream, f"touch/{n}", felt, TICK_S, part, PART_LIGHTS[n])
+
+
+def _felt(tried: Tried) -> FloatArray:
+    assert tried.true.touch is not None
+    return tried.true.touch
 
 
 def became(tried: Tried, toy: str, row: int = 0) -> list[str]:
     """The state of an object at every tick, as if all ended there."""
     true, one = tried.true, slice(row, row + 1)
+    felt = _felt(tried)
     looks = [
-        Watched(true.handles[: t + 1, one], true.parts[: t + 1, one], true.signal[: t + 1, one])
+        Watched(true.handles[: t + 1, one], true.parts[: t + 1, one], true.signal[: t + 1, one], felt[: t + 1, one])
         for t in range(len(tried.path))
     ]
     return [STATES[int(TOYS[toy].state(look)[0])] for look in looks]

@@ -76,13 +76,11 @@ class Tried:
     aims: FloatArray
     """(B, 5) see `babbling.play`."""
     seen: Watched
-    """By their eyes, at `looks`."""
+    """By their eyes, at `LOOKED_AT`, and as their own touch felt it."""
     true: Watched
     """Every tick, for those who judge."""
     missed: FloatArray
     """(B,) m that the image foretold the worst place would be missed by."""
-    touch: FloatArray
-    """(T, B, 3) N felt by hands and forehead."""
     path: FloatArray
     """(T, B, F) postures that were the sub-goals."""
     angles: FloatArray
@@ -192,14 +190,15 @@ class Player:
             if keep or number == len(path) - 2:
                 configurations.append(body.configuration)
         eyes, world, shone = remembered(np.array(looks), toy.half[2]), np.array(true), np.array(signal)
+        newtons = np.array(touch)
+        since = np.maximum.reduceat(newtons, [0, *(tick + 1 for tick in LOOKED_AT[:-1])])
         return Tried(
             tick,
             which,
             aims,
-            Watched(eyes[:, :, PARTS:], eyes[:, :, :PARTS], shone[list(LOOKED_AT)]),
-            Watched(world[:, :, PARTS:], world[:, :, :PARTS], shone),
+            Watched(eyes[:, :, PARTS:], eyes[:, :, :PARTS], shone[list(LOOKED_AT)], since),
+            Watched(world[:, :, PARTS:], world[:, :, :PARTS], shone, newtons),
             missed,
-            np.array(touch),
             path,
             np.array(angles),
             np.concatenate([grips * body.grip_n[:, None], np.zeros((1, count, 2))]),

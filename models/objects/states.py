@@ -32,6 +32,9 @@ class Watched:
     """(T, B, 3, 3) m: left hand, right hand and forehead of whoever handles it."""
     signal: BoolArray
     """(T, B) whether it shines or buzzes."""
+    touch: FloatArray | None = None
+    """(T, B, 3) N that left hand, right hand and forehead felt since the look before; None of somebody whom one only
+    sees."""
 
 
 def handled(seen: Watched) -> IntArray:
@@ -58,11 +61,15 @@ def joined(seen: Watched, within: float) -> IntArray:
 
 
 def lit(seen: Watched) -> IntArray:
-    """(B,) whether it shone, and by which part: of those that show, the one that was nearest as it lit up."""
+    """(B,) whether it shone, and by which part: the one that felt most as it lit up; of somebody whom one only sees, of
+    those that show, the one that was nearest."""
     copies, first = np.arange(seen.signal.shape[1]), seen.signal.argmax(0)
     away = np.linalg.norm(seen.parts - seen.handles[:, :, :1], axis=-1)[first, copies]
-    by = np.where(np.nan_to_num(away, nan=np.inf).argmin(-1) == HEAD, LIT_BY_HEAD, LIT_BY_HAND)
-    return np.where(seen.signal.any(0), by, SAME)
+    part = np.nan_to_num(away, nan=np.inf).argmin(-1)
+    if seen.touch is not None:
+        felt = seen.touch[first, copies]
+        part = np.where(felt.max(-1) > 0, felt.argmax(-1), part)
+    return np.where(seen.signal.any(0), np.where(part == HEAD, LIT_BY_HEAD, LIT_BY_HAND), SAME)
 
 
 def buzzed(seen: Watched) -> IntArray:

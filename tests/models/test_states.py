@@ -1,6 +1,7 @@
 """What became of an object: thresholds, who lit it, joined; and that where the table stands makes no difference."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,6 +103,22 @@ def test_what_lit_it_is_what_was_nearest_when_it_lit_up() -> None:
     under_a_blanket[:, :, :2] = np.nan
     hidden = lit(Watched(seen.handles, under_a_blanket, seen.signal)).tolist()
     assert hidden == [LIT_BY_HEAD, LIT_BY_HEAD, LIT_BY_HEAD, SAME, LIT_BY_HEAD]  # what does not show did not do it
+
+
+def test_of_oneself_one_feels_what_lit_it_whatever_is_nearest() -> None:
+    signal, touch = np.zeros((T, 4), bool), np.zeros((T, 4, 3))
+    signal[2:4] = [True, True, True, False]
+    seen = watched(np.zeros((T, 4, 3)), signal=signal)
+    seen.parts[2, :, 2] = 0.01
+    touch[2, :2] = [[0, 70.0, 0.4], [1.0, 0, 20.0]]
+    touch[1, 0, 2] = touch[3, 0, 2] = 99.0  # before and after
+    assert lit(seen).tolist() == [LIT_BY_HEAD, LIT_BY_HEAD, LIT_BY_HEAD, SAME]
+    assert lit(replace(seen, touch=touch)).tolist() == [
+        LIT_BY_HAND,
+        LIT_BY_HEAD,
+        LIT_BY_HEAD,
+        SAME,
+    ]  # nothing felt: seen
 
 
 def test_a_buzz_outdoes_the_rest_however_short_it_was() -> None:
