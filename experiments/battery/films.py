@@ -1,6 +1,7 @@
 """Films of the first agent, and of the adult that it watches, for the battery's report: one GIF each, by name."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from io import BytesIO
 
 import numpy as np
@@ -11,6 +12,7 @@ from babbling.axes import FloatArray
 from babbling.body_image import BodyImage
 from babbling.mirroring import MirrorExperience
 from babbling.pilot import Pilot
+from experiments.errors import ExperimentError
 from experiments.face.answering import acted
 from experiments.face.infants import Group, Infant
 from experiments.face.once import TICK_S, slowly
@@ -39,7 +41,8 @@ FACE, TRIES = (300, 300), 3
 
 
 class Camera:
-    """Takes films by name, each once; one that is off takes none, and what it would have taken is not made."""
+    """Takes films by name, each once; one that is off takes none, and what it would have taken is not made. What cannot
+    be drawn, of an agent that knows too little of its body, leaves none."""
 
     def __init__(self, on: bool = False) -> None:
         self.on, self.films = on, dict[str, Film]()
@@ -47,8 +50,9 @@ class Camera:
     def take(self, name: str, shoot: Callable[[], Shot]) -> None:
         """One film."""
         if self.on and name not in self.films:
-            write_gif(file := BytesIO(), *shoot())
-            self.films[name] = np.frombuffer(file.getvalue(), np.uint8)
+            with suppress(ExperimentError):
+                write_gif(file := BytesIO(), *shoot())
+                self.films[name] = np.frombuffer(file.getvalue(), np.uint8)
 
 
 OFF = Camera()
@@ -75,9 +79,9 @@ def following(seen: Following) -> Shot:
 def adults_face(look: Look) -> Shot:
     """An act that was seen, and rest."""
     face = FACES[look.looking.face]
-    frames = performed(face, [look.shown], TICK_S)[:, 0]
-    rest = np.repeat(frames[:1], len(frames), 0)
-    return _face(f"an adult: {GESTURES[look.shown.gesture]}", face, np.concatenate([rest, frames, frames[::-1], rest]))
+    act = performed(face, [look.shown], TICK_S)[:, 0]
+    rest = np.repeat(act[:1], len(act), 0)
+    return _face(f"an adult: {GESTURES[look.shown.gesture]}", face, np.concatenate([rest, act, act[::-1], rest]))
 
 
 def newborns_face(group: Group, infant: Infant, memory: FaceMemory) -> Shot:

@@ -44,6 +44,11 @@ class Config(ShardOptions):
             raise ExperimentError(f"--only {self.only}: name a folder of its own for it, with --out")
 
     @property
+    def films(self) -> bool:
+        """Whether any are taken."""
+        return not self.without_films and self.only is None
+
+    @property
     def varied(self) -> dict[str, tuple[Any, ...]]:
         """Parameters, and the values that each takes."""
         said = parse(self.vary, Parameters)

@@ -50,7 +50,7 @@ def run(config: Config) -> Result:
     asked = lives if config.only is None else [lives[config.only]]
     many = partial(attempted, workers=config.workers, scheduler=config.scheduler)
     grown_up = [Life(ADULT_SEEDS + n, first + ADULT_SEEDS + n, base, things) for n in range(ADULTS)]
-    grow_up = partial(adult, filmed=None if config.without_films else grown_up[0])
+    grow_up = partial(adult, filmed=grown_up[0] if config.films else None)
     adults = many(grow_up, grown_up, doing="adults grow up") if "objects" in config.stages else []
     filmed = succeeded(many(bank, looks(config.seed), doing="a face is filmed")) if "face" in config.stages else []
     whole = [one for one in adults if not isinstance(one, Failure)]
@@ -58,8 +58,7 @@ def run(config: Config) -> Result:
     seen = tuple(look for some in filmed for look in some)
     wards, shards = tasks(stages, asked, seen, [replace(one, films={}) for one in whole])
     everything: list[Ward | Shard] = [*wards, *shards]
-    star = None if config.without_films else lives[0]
-    to_do = [replace(one, filmed=_first(one) is star) for one in everything]
+    to_do = [replace(one, filmed=config.films and _first(one) is lives[0]) for one in everything]
     done = attempted(met, to_do, config.workers, "faces and lives", config.scheduler)
     failed = [str(one) for one in adults if isinstance(one, Failure)]
     ended = zip(map(_first, to_do), done, strict=True)

@@ -22,6 +22,7 @@ from experiments.battery.parameters import QUICK
 from experiments.battery.sensitivity import Change, changes
 from experiments.battery.shards import Shard
 from experiments.battery.table import IMITATOR, WHOLE, Trial, tidy
+from experiments.errors import ExperimentError
 from experiments.face.watching import Look, Looking
 
 TOUCH = ("a week before", "nothing")
@@ -182,6 +183,12 @@ def test_a_camera_takes_each_film_once_and_none_while_it_is_off() -> None:
     first = camera.films["a"]
     camera.take("a", never)
     assert camera.films["a"] is first and first[:3].tobytes() == b"GIF"
+
+    def unknown() -> Shot:
+        raise ExperimentError("babble longer")
+
+    camera.take("b", unknown)
+    assert set(camera.films) == {"a"}
 
 
 @pytest.mark.parametrize(
