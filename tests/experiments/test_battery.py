@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import experiments.battery.faces as faces_module
+import experiments.battery.films as films
 import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
 from experiments.battery.acting import VIEWS, acting, chances
@@ -57,6 +58,13 @@ def adult(grown: Grown) -> Adult:
     return Adult(pool(grown.child, 9, played_with(grown.life), 6, 0), {"live": touch, "room": touch})
 
 
+@pytest.fixture
+def camera(monkeypatch: pytest.MonkeyPatch) -> Camera:
+    """Draws the first picture of each film alone."""
+    monkeypatch.setattr(films, "write_gif", lambda file, pictures, rate: next(pictures).save(file, "GIF"))
+    return Camera(on=True)
+
+
 def test_agents_of_one_childhood_differ_in_nothing_that_growing_up_depends_on() -> None:
     first = Life(0, 1, QUICK, THINGS)
     for one in fields(Parameters):
@@ -93,10 +101,11 @@ def test_a_choice_is_eq_1_with_trust_in_habit_and_an_exponent() -> None:
     assert chances(np.zeros(5), prior, QUICK) == pytest.approx(prior / prior.sum())  # nothing is known to lead there
 
 
-def test_who_saw_the_forehead_uses_it_and_who_never_played_or_forgets_does_not(grown: Grown, adult: Adult) -> None:
+def test_who_saw_the_forehead_uses_it_and_who_never_played_or_forgets_does_not(
+    grown: Grown, adult: Adult, camera: Camera
+) -> None:
     keen = [replace(grown.life, agent=n, how=replace(CALM, exponent=20.0)) for n in range(2)]
     sieve = replace(keen[0], agent=2, how=replace(keen[0].how, forgets=1.0))
-    camera = Camera(on=True)
     found = tidy(acting(grown, [*keen, sieve], adult, camera))
     assert set(camera.films) == {"touch-2", "intentions-2"}
     touch = found[(found["task"] == "head touch") & (found["without"] == WHOLE)].set_index(["condition", "agent"])[
@@ -122,14 +131,13 @@ def test_who_never_played_knows_nothing_of_things(grown: Grown) -> None:
 
 
 def test_every_infant_is_shown_every_gesture_once_and_is_itself_whoever_else_is_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch, camera: Camera
 ) -> None:
     monkeypatch.setattr(faces_module, "WARD", 2)
     monkeypatch.setattr(faces_module, "EACH", 1)
     some = replace(QUICK, face_acts=60)
     seen = tuple(bank(looks(0)[0]))
     lives = [(Life(n, n, some, THINGS),) for n in range(2)]
-    camera = Camera(on=True)
     found = tidy(faces(Ward(0, 60, tuple(lives), seen), camera))
     assert set(camera.films) == {"face-1", "face-2"}
     counted = found[found["condition"] != "nothing shown"].groupby(["agent", "condition"]).size()
