@@ -62,7 +62,7 @@ def faces(ward: Ward, camera: Camera = OFF) -> list[Trial]:
     places = [(alike[0].seed - ward.first, alike) for alike in ward.lives]
     who = places[0][0]
     camera.take("face-1", lambda: adults_face(mine[who][0]))
-    camera.take("face-2", lambda: newborns_face(group, infants[who], memories[len(kinds) * who]))
+    camera.take("face-2", lambda: newborns_face(group, infants[who], memories[len(kinds) * who], TRIES))
     return [row for n, alike in places for life in alike for row in _rows(life, infants[n], mine[n], answers.labels[n])]
 
 

@@ -37,7 +37,7 @@ BABBLES_S = 6.0
 """How much is filmed of a babble."""
 EVERY = 2
 """Frames of an eye's to a picture."""
-FACE, TRIES = (300, 300), 3
+FACE = (300, 300)
 
 
 class Camera:
@@ -64,9 +64,9 @@ def babble(body: SimulatedBody, pilot: Pilot, image: BodyImage, mirrored: Mirror
     return shot("babbling", body, body.configurations(Pupil(body, pilot, image).angles(felt)))
 
 
-def handling(title: str, toy: str, tried: Tried, row: int, *, table: float | None = None) -> Shot:
+def handling(title: str, toy: str, tried: Tried, row: int) -> Shot:
     """At the table; one whose configurations were kept."""
-    body = at_table(toy, 1, table=table)
+    body = at_table(toy, 1)
     lay(body.model, tried.laid[row])
     return shot(title, body, tried.configurations[:, row])
 
@@ -84,9 +84,9 @@ def adults_face(look: Look) -> Shot:
     return _face(f"an adult: {GESTURES[look.shown.gesture]}", face, np.concatenate([rest, act, act[::-1], rest]))
 
 
-def newborns_face(group: Group, infant: Infant, memory: FaceMemory) -> Shot:
+def newborns_face(group: Group, infant: Infant, memory: FaceMemory, tries: int) -> Shot:
     """Its tries at what it remembers, done once more to be filmed."""
-    tried, _ = acted(group.body(1), [infant.mind], [memory], TRIES)
+    tried, _ = acted(group.body(1), [infant.mind], [memory], tries)
     return _face("a newborn", group.face, slowly(group.face, infant.mind, tried.commands[:, 0])[1])
 
 

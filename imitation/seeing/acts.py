@@ -100,27 +100,28 @@ def one_s_covariance(play: Play) -> FloatArray:
     within = play.moved_products * FINE**2 - sums[done].T @ (sums[done] / count[done])
     free, size = max(int(count.sum() - done.sum()), 1), len(within)
     found = within / free + LEAST_M**2 * np.eye(size)
-    scale = np.sqrt(np.diag(found))
-    correlation = found / np.outer(scale, scale)
-    squares = (correlation**2).sum()
+    alone = np.diag(found)
+    squares = (found**2 / np.outer(alone, alone)).sum()
     shrunk = ((1 - 2 / size) * squares + size**2) / ((free + 1 - 2 / size) * max(squares - size, 1e-9))
     keep = 1 - min(shrunk, 1.0)
-    return np.asarray(np.outer(scale, scale) * (keep * correlation + (1 - keep) * np.eye(size)))
+    return np.asarray(keep * found + (1 - keep) * np.diag(alone))
 
 
 def _on_places(points: FloatArray, weight: FloatArray, covariance: FloatArray, noise: float) -> Misfit:
     """(P, 3) means to (N,) r' C^-1 r + log |C| of (N, P, 3) points, in one's own frame; hidden ones have no weight."""
     patterns, which = np.unique(np.repeat(weight > 0, PARTS, 1), axis=0, return_inverse=True)
-    principal = [np.linalg.eigh(covariance[np.ix_(seen, seen)]) for seen in patterns]
+    alike = [
+        (np.flatnonzero(which.ravel() == number), seen, *np.linalg.eigh(covariance[np.ix_(seen, seen)]))
+        for number, seen in enumerate(patterns)
+    ]
 
     def misfit(mean: FloatArray) -> FloatArray:
         off, size = _similar(mean, points, weight)
         turns = np.cross(np.eye(PARTS)[:, None], mean)
         nearly = np.concatenate([turns, mean[None], np.repeat(np.eye(PARTS)[:, None], len(mean), 1)]).reshape(7, -1)
         found = np.empty(len(points))
-        for number, (seen, (variance, axes)) in enumerate(zip(patterns, principal, strict=True)):
-            rows = np.flatnonzero(which.ravel() == number)
-            total = np.maximum(variance, LEAST_M**2) + (noise / size[rows, None]) ** 2
+        for rows, seen, variance, axes in alike:
+            total = variance + (noise / size[rows, None]) ** 2
             along, free = off[rows].reshape(len(rows), -1)[:, seen] @ axes, nearly[:, seen] @ axes
             known = (free / total[:, None]) @ free.T
             found[rows] = (along**2 / total + np.log(total)).sum(1) - _given_way(known, (along / total) @ free.T)
