@@ -49,7 +49,7 @@ class Variables:
         """A variable of bounded size that lies in this very file; not read yet."""
         data = self.file[name] if isinstance(self.file.get(name, getlink=True), h5py.HardLink) else None
         if not isinstance(data, h5py.Dataset) or data.external or data.is_virtual or data.dtype != dtype:
-            raise BabblingError(f"{name} is missing, or not of type {dtype}")
+            raise BabblingError(f"{name} is missing, or not of type {dtype}, as of another version; make it anew")
         self.bytes += int(data.nbytes)
         if self.bytes > self.largest or (dtype.kind == "S" and data.nbytes > LARGEST_TEXT):
             raise BabblingError(f"{name} unpacks to {data.nbytes} bytes; {self.largest} are read of a file")

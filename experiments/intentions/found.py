@@ -14,7 +14,7 @@ from experiments.intentions.showing import SHOWS, Shown, somebody
 from experiments.intentions.study import USUAL, Answers
 from experiments.intentions.trials import Trials
 from experiments.shared.children import Child
-from experiments.shared.judging import calibrations, interval_95, over_learners
+from experiments.shared.judging import calibrations, interval_95, over_learners, share_over_plays
 from experiments.shared.playing import Tried
 from imitation.acting.primitives import NAMES
 from imitation.inference.meaning import Meant
@@ -109,7 +109,7 @@ class Studied:
         return {
             "rates": share,
             "rates_interval": interval,
-            "rates_interval_over_plays": {name: over_plays(each) for name, each in ours.items()},
+            "rates_interval_over_plays": {name: share_over_plays(each) for name, each in ours.items()},
             "rates_by_object": {
                 condition: {
                     toy: float(
@@ -159,7 +159,8 @@ def inferences(inferred: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
             rule: float(np.mean([one["rules"][rule] for one in inferred])) for rule in inferred[0]["rules"]
         },
         "goal_accuracy_interval_over_plays": {
-            rule: over_plays([np.array([one["rules"][rule]]) for one in inferred]) for rule in inferred[0]["rules"]
+            rule: share_over_plays([np.array([one["rules"][rule]]) for one in inferred])
+            for rule in inferred[0]["rules"]
         },
         "goal_accuracy_by_share": {
             f"{share:g}": {
@@ -193,11 +194,3 @@ def exact(each: FloatArray) -> tuple[float, float]:
         return interval_95(int(each.sum()), len(each)) if len(each) else (0.0, 1.0)
     middle, half = over_learners(each)
     return max(float(middle - half), 0.0), min(float(middle + half), 1.0)
-
-
-def over_plays(each: Sequence[FloatArray]) -> tuple[float, float] | None:
-    """95 % interval of the mean over plays; None for one play."""
-    if len(each) < 2:
-        return None
-    middle, half = over_learners(np.array([one.mean() for one in each]))
-    return float(middle - half), float(middle + half)

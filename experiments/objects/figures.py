@@ -63,13 +63,25 @@ def study_figures(studied: Studied) -> dict[str, Figure]:
     return found | {"outcomes": outcomes(studied.plays[0].play)}
 
 
-@captioned("Primitives with specimens and places that were never met: share of tries, exact 95 % intervals.")
+@captioned(
+    "Primitives with specimens and places that were never met: share of tries, exact 95 % intervals; beside the peer "
+    "who learned no aims and does them in the middle of where they may be done."
+)
 def primitives(studied: Studied) -> Figure:
     """Success by primitive."""
     figure = Figure(figsize=(7.5, 4.0), layout="constrained")
     axes = figure.subplots()
-    _bars(axes, studied.metrics, "primitive_success")
+    _bars(axes, studied.metrics, "primitive_success", label="aimed as play taught")
+    _bars(
+        axes,
+        studied.metrics,
+        "primitive_success_unaimed",
+        list(studied.by_name("unaimed")),
+        label="no aims learned",
+        shift=0.4,
+    )
     axes.set(ylabel="share of tries that did what they should", ylim=(0, 1.05))
+    legend_above(axes)
     return figure
 
 
@@ -103,11 +115,15 @@ def head_touch(studied: Studied) -> Figure:
     return figure
 
 
-def _bars(axes: Axes, metrics: dict[str, Any], key: str, peers: Sequence[str] = ()) -> None:
+def _bars(
+    axes: Axes, metrics: dict[str, Any], key: str, peers: Sequence[str] = (), *, label: str = "", shift: float = 0.0
+) -> None:
     """Shares and their intervals out of metrics.json."""
     names = list(metrics[key])
     middle = np.array([metrics[key][name] for name in names])
     ends = np.array([metrics[f"{key}_interval"][name] for name in names])
-    axes.bar(range(len(names)), middle, 0.5, color=[PLAIN if name in peers else OURS for name in names])
-    axes.errorbar(range(len(names)), middle, np.abs(ends.T - middle), fmt="none", color=DARK, capsize=3)
+    places = np.arange(len(names)) + shift
+    inks = [PLAIN if name in peers else OURS for name in names]
+    axes.bar(places, middle, 0.4 if label else 0.5, color=inks, label=label or None)
+    axes.errorbar(places, middle, np.abs(ends.T - middle), fmt="none", color=DARK, capsize=3)
     axes.set_xticks(range(len(names)), names, rotation=25, ha="right")

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from babbling.axes import BoolArray, FloatArray
+from babbling.axes import BoolArray
 from experiments.objects.deciding import UNSEEN, Response
 from experiments.objects.options import Config
 from experiments.objects.showing import Act
 from experiments.shared.children import Child
-from experiments.shared.judging import calibrations, interval_95, over_learners
+from experiments.shared.judging import calibrations, interval_95, over_plays, share_over_plays
 from imitation.acting.primitives import NAMES
 from imitation.deferred import ActMemory
 from models.objects.states import STATES
@@ -66,10 +66,9 @@ class Studied:
         """What the parts say under a key, play by play."""
         return [part[key] for part in self.parts if key in part]
 
-    @property
-    def primitives(self) -> dict[str, list[BoolArray]]:
-        """Name -> successes, an array for each play."""
-        return {name: [one[name] for one in self.all("success")] for name in self.all("success")[0]}
+    def by_name(self, key: str) -> dict[str, list[BoolArray]]:
+        """Name -> what the parts say of it under a key, an array for each play."""
+        return {name: [one[name] for one in self.all(key)] for name in self.all(key)[0]}
 
     @property
     def heads(self) -> dict[str, list[BoolArray]]:
@@ -91,14 +90,15 @@ class Studied:
         }
         first, tried = (sum(one[key] for one in shares.values()) for key in ("first", "own"))
         return {
-            **rates("primitive_success", self.primitives),
+            **rates("primitive_success", self.by_name("success")),
+            **rates("primitive_success_unaimed", self.by_name("unaimed")),
             "creep_mm_per_s": max(self.all("creep_mm_per_s")),
             **rates("apart_rate", {"below": self.all("below"), "above": self.all("above")}, flat=True),
             **calibrations("outcome", [one[:2] for one in table]),
             **calibrations("outcome_of_play", [one[:2] for one in own]),
             "outcome_gain_bits": float(gain.mean()),
-            "outcome_gain_bits_interval": spread(gain),
-            **rates("recognition", {key: self.all(f"by_{key}") for key in ("points", "pixels")}, flat=True),
+            "outcome_gain_bits_interval": over_plays(gain),
+            **rates("recognition", self.by_name("recognised"), flat=True),
             "new_object": shares,
             "new_object_ratio": first / max(tried, 1e-9),
             **rates("head_touch", self.heads),
@@ -107,20 +107,12 @@ class Studied:
         }
 
 
-def spread(values: FloatArray) -> list[float] | None:
-    """95 % interval of the mean over plays; None for one play."""
-    if len(values) < 2:
-        return None
-    mean, half = over_learners(values)
-    return [float(mean - half), float(mean + half)]
-
-
 def rates(name: str, found: Mapping[str, Sequence[BoolArray]], flat: bool = False) -> dict[str, Any]:
     """Shares, exact 95 % intervals over all, and 95 % intervals over plays: by name, or as names of their own."""
     share = {key: float(np.concatenate(list(ones)).mean()) for key, ones in found.items()}
     whole = {key: np.concatenate(list(ones)) for key, ones in found.items()}
     inside = {key: interval_95(int(one.sum()), len(one)) for key, one in whole.items()}
-    plays = {key: spread(np.array([one.mean() for one in ones if len(one)])) for key, ones in found.items()}
+    plays = {key: share_over_plays(ones) for key, ones in found.items()}
     if not flat:
         return {name: share, f"{name}_interval": inside, f"{name}_interval_over_plays": plays}
     return {

@@ -74,7 +74,13 @@ def study(config: Config) -> Result:
     studied = Studied(plays, in_parallel(measured, tasks, config.workers, "studying acts on objects"))
     metrics = studied.metrics
     rows = [
-        *((f"{name}: done", percent(metrics, "primitive_success", name)) for name in metrics["primitive_success"]),
+        *(
+            (
+                f"{name}: done / by one who learned no aims",
+                f"{percent(metrics, 'primitive_success', name)}, {metrics['primitive_success_unaimed'][name]:.1%}",
+            )
+            for name in metrics["primitive_success"]
+        ),
         ("creep at 90 % of dry friction", f"{metrics['creep_mm_per_s']:.3f} mm/s"),
         (
             "pulled apart, grip below / above 1.5 x friction",
@@ -82,8 +88,13 @@ def study(config: Config) -> Result:
         ),
         ("tables of 8 tries a cell: calibration error", f"{metrics['outcome_calibration_error']:.3f}"),
         ("the same: gain over the kind alone", f"{metrics['outcome_gain_bits']:.2f} bits"),
-        ("another's primitive recognised, points", f"{metrics['recognition_points']:.1%}"),
-        ("another's primitive recognised, pixels", f"{metrics['recognition_pixels']:.1%}"),
+        *(
+            (
+                f"another's primitive recognised, {by} / every place by itself",
+                f"{metrics[f'recognition_{by}']:.1%}, {metrics[f'recognition_{by}_alone']:.1%}",
+            )
+            for by in ("points", "pixels")
+        ),
         ("new object, first try / after own play", f"{metrics['new_object_ratio']:.2f}"),
         *((f"head touch, {name}", percent(metrics, "head_touch", name)) for name in metrics["head_touch"]),
     ]

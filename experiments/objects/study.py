@@ -36,6 +36,8 @@ PLACEMENTS = 40
 """For each play."""
 CELL, TEST = 8, 6
 """Tries of every primitive with every kind that tables are made of, and that judge them."""
+ANYTHING = -1
+"""Goal of one who aims for nothing."""
 NEW = {"wide-dumbbell": "apart", "square": "joined"}
 """Objects never played with, whose kinds were; and what is to be brought about."""
 OWN_ROUNDS = 4
@@ -82,8 +84,9 @@ def specimens(task: Task, part: int) -> int:
 
 
 def success(task: Task) -> dict[str, Any]:
-    """How often primitives bring about what they are practised for, with specimens never met."""
-    found = {}
+    """How often primitives bring about what they are practised for, with specimens never met; and the peer who learned
+    no aims and does them in the middle of where they may be done."""
+    found, unaimed = {}, {}
     for number, (name, toy, act, state) in enumerate(SUCCESS):
         play, goal = task.child.play, STATES.index(state)
         kind = play.kinds.index(TOYS[toy].kind)
@@ -93,11 +96,12 @@ def success(task: Task) -> dict[str, Any]:
         else:
             which = decide(play, kind, 0, goals, "map")[0].probability.argmax(1)
         found[name] = did(task, toy, which, goals, specimens(task, number)) == goal
-    return {"success": found}
+        unaimed[name] = did(task, toy, which, np.full(PLACEMENTS, ANYTHING), specimens(task, number)) == goal
+    return {"success": found, "unaimed": unaimed}
 
 
 def did(task: Task, toy: str, which: IntArray, goals: IntArray, first: int, play: Play | None = None) -> IntArray:
-    """(N,) what became of specimens `first` and following: primitives aimed at goals as play taught."""
+    """(N,) what became of specimens `first` and following: primitives aimed at goals as play taught, or at nothing."""
     play = play or task.child.play
     kind = play.kinds.index(TOYS[toy].kind)
     body = at_table(toy, len(which))
@@ -163,19 +167,20 @@ def tables(task: Task) -> dict[str, Any]:
 
 
 def watching(task: Task) -> dict[str, Any]:
-    """Recognising what somebody else does with every kind of thing, seen across the table: points, and two retinas."""
-    points, pixels, play = list[BoolArray](), list[BoolArray](), task.child.play
+    """Recognising what somebody else does with every kind of thing, seen across the table: points, and two retinas; and
+    the peer to whom every place counts by itself."""
+    right, play = dict[str, list[BoolArray]](), task.child.play
     for number, toy in enumerate(thing for thing in PLAYED if ":" not in thing):
         kind, rng = play.kinds.index(TOYS[toy].kind), np.random.default_rng([task.seed, task.number, 50 + number])
         able = possible(TOYS[toy].alone)
         which = np.tile(able, SHOWN)
         act = performed(task.teacher, toy, which, specimens(task, 50 + number))
-        seen = watched(act, "live", rng)
-        points.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == which)
-        once = which[: len(able)]
-        seen = watched(act.only(np.arange(len(once))), "live", rng, "pixels")
-        pixels.append(likelihood(play, kind, seen.tracks, seen.noise).argmax(1) == once)
-    return {"by_points": np.concatenate(points), "by_pixels": np.concatenate(pixels)}
+        once = act.only(np.arange(len(able)))
+        for by, seen in (("points", watched(act, "live", rng)), ("pixels", watched(once, "live", rng, "pixels"))):
+            for name, alone in ((by, False), (f"{by}_alone", True)):
+                taken = likelihood(play, kind, seen.tracks, seen.noise, alone=alone).argmax(1)
+                right.setdefault(name, []).append(taken == which[: len(taken)])
+    return {"recognised": {name: np.concatenate(each) for name, each in right.items()}}
 
 
 def scored(probability: FloatArray, came: IntArray) -> tuple[FloatArray, BoolArray, float]:

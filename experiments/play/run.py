@@ -12,7 +12,7 @@ from babbling.play import HANDS, Play
 from experiments.errors import ExperimentError
 from experiments.play.figures import outcomes
 from experiments.play.options import Config
-from experiments.shared.children import NAMED, Child, beside, born, keep, keep_beside, meet, merged
+from experiments.shared.children import NAMED, Child, beside, born, keep, meet, merged
 from experiments.shared.experiment import as_json, check_file
 from experiments.shared.pixels import watch_hands
 from experiments.shared.playing import SEATED
@@ -112,7 +112,7 @@ def begin(config: Config, things: tuple[str, ...], out: Path) -> Child:
         mind, image = born(config.seed, report, mind)
     eyes = watch_hands(mind, image, config.seed) if config.seeing == "pixels" else None
     child = Child(mind, image, empty(mind, things), eyes)
-    keep_beside(child, out)
+    keep(child, out)
     return child
 
 

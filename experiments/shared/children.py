@@ -58,15 +58,10 @@ def born(
 
 def keep(child: Child, path: Path) -> None:
     """Write all that a child knows; the play last, so that what it needs is there."""
-    keep_beside(child, path)
-    save(child.play, path)
-
-
-def keep_beside(child: Child, path: Path) -> None:
-    """Write what it knew before it played."""
     for what in NAMED:
         if getattr(child, what) is not None:
             save(getattr(child, what), beside(path, what))
+    save(child.play, path)
 
 
 def meet(path: Path) -> Child:

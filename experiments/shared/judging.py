@@ -114,6 +114,20 @@ def over_learners(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values.mean(0), half
 
 
+def over_plays(values: FloatArray) -> tuple[float, float] | None:
+    """95 % interval of the mean of (S,) values over plays; None for one play."""
+    if len(values) < 2:
+        return None
+    middle, half = over_learners(values)
+    return float(middle - half), float(middle + half)
+
+
+def share_over_plays(each: Sequence[FloatArray | BoolArray]) -> tuple[float, float] | None:
+    """The same of shares, each play's own; no share lies beyond 0 and 1."""
+    found = over_plays(np.array([one.mean() for one in each if len(one)]))
+    return found and (max(found[0], 0.0), min(found[1], 1.0))
+
+
 def difference(one: tuple[int, int], other: tuple[int, int]) -> tuple[float, float]:
     """By how much the share of one (hits, count) lies above another's, and its standard error (Agresti and Caffo 2000,
     whose added successes and failures keep it from 0)."""

@@ -52,7 +52,7 @@ def described(tracks: FloatArray) -> FloatArray:
     return np.concatenate([away[:, :, :PARTS].reshape(count, -1), away[:, 0, PARTS:].reshape(count, -1)], 1)
 
 
-def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> FloatArray:
+def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float, *, alone: bool = False) -> FloatArray:
     """(N, A) log P(seen | kind, primitive) of (N, L, 5, d) tracks, up to a constant for each of the N.
 
     Args:
@@ -60,6 +60,7 @@ def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> F
         kind: of thing that is handled.
         tracks: places in m, any frame (d = 3), or positions on one image (d = 2); NaN is hidden.
         noise: standard deviation of what is seen, in the unit of the tracks.
+        alone: the simpler peer: C is its own diagonal, every place is weighed by itself.
 
     Raises:
         ImitationError: so many looks as in play are needed.
@@ -74,6 +75,7 @@ def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> F
     there = np.isfinite(points).all(-1)
     points = np.where(there[..., None], points, 0)
     found, covariance = np.full((count, len(play.outcomes.action.labels)), NEVER), one_s_covariance(play)
+    covariance = np.diag(np.diag(covariance)) if alone else covariance
     weight = there / np.diag(covariance).reshape(-1, PARTS).mean(1)
     fits = (_on_places if points.shape[-1] == PARTS else _on_a_screen)(points, weight, covariance, noise)
     for primitive in np.flatnonzero(play.tried[kind]):
@@ -81,9 +83,9 @@ def log_likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> F
     return found
 
 
-def likelihood(play: Play, kind: int, tracks: FloatArray, noise: float) -> FloatArray:
+def likelihood(play: Play, kind: int, tracks: FloatArray, noise: float, *, alone: bool = False) -> FloatArray:
     """(N, A) P(seen | primitive) / that of the likeliest."""
-    logs = log_likelihood(play, kind, tracks, noise)
+    logs = log_likelihood(play, kind, tracks, noise, alone=alone)
     return np.asarray(np.exp(logs - logs.max(1, keepdims=True)))
 
 

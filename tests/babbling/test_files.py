@@ -83,7 +83,7 @@ def instead(name: str, value: object) -> Callable[[h5py.File], None]:
             instead("pilot_motors_rest", np.zeros((2, 3))),
             r"pilot_motors_rest has shape \(2, 3\); \(3,\) is needed \(motor\)",
         ),
-        (instead("pilot_motors_rest", np.zeros(3, "f4")), "pilot_motors_rest is missing, or not of type float64"),
+        (instead("pilot_motors_rest", np.zeros(3, "f4")), "missing, or not of type float64, .* make it anew"),
         (instead("pilot_motors_rest", h5py.SoftLink("/temper_trust")), "pilot_motors_rest is missing"),
         (instead("pilot_motors_rest", h5py.ExternalLink("/dev/zero", "/x")), "pilot_motors_rest is missing"),
         (instead("forward_model_table_axes", np.array([[b"/"], [b"a"]])), "2 to 8 names are needed"),

@@ -18,6 +18,7 @@ from experiments.shared.judging import (
     over_learners,
     over_learners_above_zero,
     scores,
+    share_over_plays,
     within,
 )
 
@@ -85,6 +86,15 @@ def test_intervals_over_learners_hold_the_truth_nineteen_times_in_twenty() -> No
     mean, half = over_learners(values)
     assert np.mean(np.abs(mean - 3.0) <= half) == pytest.approx(0.95, abs=0.012)
     assert half[0] == pytest.approx(t.ppf(0.975, 4) * values[:, 0].std(ddof=1) / np.sqrt(5))
+
+
+def test_shares_over_plays_lie_between_none_and_all() -> None:
+    all_but_one = [np.arange(20) > 0, np.ones(20, bool), np.ones(20, bool)]
+    mean, half = over_learners(np.array([one.mean() for one in all_but_one]))
+    assert mean + half > 1
+    assert share_over_plays(all_but_one) == (pytest.approx(mean - half), 1.0)
+    assert share_over_plays([~one for one in all_but_one])[0] == 0.0
+    assert share_over_plays(all_but_one[:1]) is None
 
 
 def test_one_rule_beyond_another_is_paired_by_learner() -> None:

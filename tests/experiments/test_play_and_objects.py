@@ -129,6 +129,9 @@ def test_both_commands(child: Child, hurried: None, tmp_path: Path, capsys: pyte
     told = Playing(
         minutes=2 * minutes, things=("panel",), forward_model=tmp_path / "mind.nc", out=out, workers=1, seed=0
     )
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(KeyboardInterrupt):  # before the first round
+        patch.setattr("experiments.play.run.play_on", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        command(told)
     command(told)
     played = load(out, Play)
     assert played.rounds == 2 and played.minutes == pytest.approx(2 * minutes, abs=1e-4)
@@ -178,9 +181,10 @@ def test_the_study_measures_what_it_says(child: Child, hurried: None, monkeypatc
     parts = [study.measured(replace(task, part=part)) for part in ("success", "tables", "live", "emulate")]
     parts.append({"new": {"square": {"first": np.ones(4, bool), "own": np.ones(4, bool)}}, "creep_mm_per_s": 0.1})
     parts[-1] |= {"below": np.zeros(3, bool), "above": np.ones(5, bool)}
-    parts[-1] |= {"by_points": np.ones(5, bool), "by_pixels": np.array([True, False])}
+    parts[-1] |= {"recognised": {"points": np.ones(5, bool), "pixels": np.array([True, False])}}
     found = Studied([child], parts).metrics
-    assert found["primitive_success"]["head"] > 0.6 and found["head_touch"]["live"] >= 2 / 3
+    assert found["primitive_success_unaimed"]["head"] <= found["primitive_success"]["head"] > 0.6
+    assert found["head_touch"]["live"] >= 2 / 3
     assert found["head_touch"]["emulate"] == 0 and found["recognition_pixels"] == 0.5
     assert found["new_object_ratio"] == 1 and found["apart_rate_above"] == 1 and found["apart_rate_below"] == 0
     assert np.isfinite(found["outcome_gain_bits"])
