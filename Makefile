@@ -1,6 +1,7 @@
 # Needs git, make and Python 3.11 or later; everything else is installed into .venv, by exact version and hash.
 #   make setup   install            make check   format, lint, types
 #   make demo    the main job       make test    the tests
+#   make coverage                   the tests, and how much of each package they run (a fifth slower)
 #   make lock    write requirements.lock again; remove the file first to move to the newest versions
 #   make clean   remove .venv, caches and builds (never runs/)
 
@@ -17,7 +18,7 @@ export MUJOCO_GL := disabled
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DELETE_ON_ERROR:
-.PHONY: setup demo test check format lock clean
+.PHONY: setup demo test coverage check format lock clean
 
 setup: $(VENV)/.ready
 
@@ -40,8 +41,13 @@ demo: setup
 	$(BIN)/imitate gesture
 	@echo "Look at it: $(BIN)/rerun runs/gesture/recording.rrd"
 
+TESTS := $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+
 test: setup
-	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --cov --cov-report=
+	$(TESTS)
+
+coverage: setup
+	$(TESTS) --cov --cov-report=
 	@for one in $(COVERED); do \
 		printf '%-12s %% of lines run (at least %s): ' "$${one%:*}" "$${one#*:}"; \
 		$(BIN)/coverage report --include="$${one%:*}/*" --format=total --fail-under="$${one#*:}" || exit 2; done

@@ -1,5 +1,6 @@
 """Shared fixtures: where outside data stands, when it does."""
 
+import experiments  # isort: skip  # before NumPy loads: one thread for linear algebra
 import io
 import os
 import signal
@@ -37,6 +38,11 @@ LONGEST_FIRST = (
     *("notebook", "interruptions", "pages", "shards", "told", "environment"),
 )
 """Files of tests that take long: begun first, so that no process waits for them at the end."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Here, not in pyproject.toml: there it would load NumPy before it is told to take one thread."""
+    config.addinivalue_line("filterwarnings", "error::numpy.exceptions.VisibleDeprecationWarning")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
