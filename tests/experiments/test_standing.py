@@ -18,6 +18,8 @@ from babbling.kalman import Belief
 from babbling.mind import Mind, learn
 from experiments.__main__ import main
 from experiments.errors import ExperimentError
+from experiments.gesture import standing_study
+from experiments.gesture.options import Config
 from experiments.shared.journal import Journal
 from experiments.shared.one_leg import Learner, learn_balance
 from experiments.shared.options import BodyOptions
@@ -65,13 +67,18 @@ def balance(hurried: list[float], hung: SimulatedBody, mind: Mind) -> Balance:
     return learn_balance(Learner(OPTIONS, mind, hung, hurried.append, Journal()))
 
 
-def raise_arms(hung: SimulatedBody, seconds: float = 0.6) -> Movement:
-    """From home, both arms forward and the hips bent a little."""
+def arms(hung: SimulatedBody, seconds: float = 0.6) -> FloatArray:
+    """(T, J) from home, both arms forward and the hips bent a little."""
     share = np.linspace(0, 1, round(seconds / hung.tick_s))[:, None]
     wanted = np.zeros(len(JOINTS))
     for joint, much in {"left_arm_joint_1": -0.5, "right_arm_joint_1": 0.5, "left_leg_joint_3": -0.1}.items():
         wanted[JOINTS.index(joint)] = much
-    return Movement("arms", hung.tick_s, hung.sensations(HOME + share * wanted))
+    return HOME + share * wanted
+
+
+def raise_arms(hung: SimulatedBody, seconds: float = 0.6) -> Movement:
+    """The same, to be imitated."""
+    return Movement("arms", hung.tick_s, hung.sensations(arms(hung, seconds)))
 
 
 class Listened(StandingBody):
@@ -315,6 +322,31 @@ def test_who_holds_an_arm_is_noticed_and_lets_go(balance: Balance, mind: Mind, h
     assert not done[0].resisted[..., line].any() and done[1].resisted[66:79, 0, line].all()
     after = np.rad2deg(np.abs(done[1].angles - done[0].angles)[:, 0, body.joints.index(joint)])
     assert after[78] > 3 and after[95:].max() < 0.3
+
+
+def test_the_study_counts_who_falls_and_what_half_survive(
+    balance: Balance, hung: SimulatedBody, mind: Mind, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Shoved hardly at all nobody falls, shoved by a car everybody; in between lies what half survive."""
+    few = {"SPEEDS": (1.0,), "SEEDS": 2, "WAYS": ("ours", "replay", "pd"), "FACING": ("ours",), "PUSHED": ("ours",),
+           "SHOWN": {}, "IMPULSES": np.array([0.1, 40.0]), "PUSHED_AT_S": 0.1, "BUILT_IN": ("arms",)}  # fmt: skip
+    for name, value in (few | {"HARDSHIPS": {"on ice": {"kg": 0.1}}}).items():
+        monkeypatch.setattr(standing_study, name, value)
+    shows = dict.fromkeys(("arms", "begin", "moving"), arms(hung)) | {"at rest": np.repeat(arms(hung)[:1], 40, 0)}
+    whole = standing_study.Study(Config(robot="hoap2", threads=1), mind, balance, shows, standing_study.GAINS[:1])
+    found = standing_study.study(whole, 1)
+    assert found["falls"] == {who: {"1": 0} for who in few["WAYS"]} and found["runs"]["ours"] == {"1": 2}
+    assert found["hardships"] == {"on ice": {"ours": 0}}
+    for when in ("moving", "at rest"):
+        assert found["push_impulse_ns"][when] == {"ours": pytest.approx([0.1] * 8)}
+    assert len(found["joint_rmse_free_deg"]["arms"]) == 2 and max(found["joint_rmse_free_deg"]["arms"]) < 1
+
+
+def test_half_survive_what_lies_between_the_sizes_of_pushes() -> None:
+    stood = np.arange(8) % (len(standing_study.IMPULSES) + 1)  # in each direction, so many of the sizes from below
+    fell = (np.arange(len(standing_study.IMPULSES)) >= stood[:, None]).ravel().tolist()
+    ends = np.concatenate([[0.4], standing_study.IMPULSES])
+    assert standing_study.survived(fell) == pytest.approx(ends[stood])
 
 
 def test_a_mind_and_its_balance_are_left_by_one_command_and_taken_by_the_next(
