@@ -12,7 +12,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("models", "babbling", "imitation", "experiments")
-PAPERS = ("pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "CONTRIBUTING.md", "requirements.lock", "Makefile")
+PAPERS = (
+    "pyproject.toml",
+    "README.md",
+    "RESULTS.md",
+    "LICENSE",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "requirements.lock",
+    "Makefile",
+)
 OFFLINE = {**os.environ, "PIP_NO_INDEX": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1", "MUJOCO_GL": "disabled"}
 OFFLINE.pop("PYTHONPATH", None)
 

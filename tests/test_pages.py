@@ -1,4 +1,4 @@
-"""What README.md and CONTRIBUTING.md show is run as it stands there, in haste."""
+"""What README.md, RESULTS.md and CONTRIBUTING.md show is run as it stands there, in haste."""
 
 import json
 import re
@@ -76,9 +76,10 @@ def sway(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
 def test_every_command_can_be_pasted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """README.md's commands, each read by a shell and by the options, in order: what one reads was left by one before,
-    or is somebody's capture."""
-    text = re.sub(r"```.*?```", "", (ROOT / "README.md").read_text().replace("\\\n", " "), flags=re.DOTALL)
+    """Commands of README.md and RESULTS.md, each read by a shell and by the options, in order: what one reads was left
+    by one before, or is somebody's capture."""
+    pages = "".join((ROOT / name).read_text() for name in ("README.md", "RESULTS.md"))
+    text = re.sub(r"```.*?```", "", pages.replace("\\\n", " "), flags=re.DOTALL)
     lines = re.findall(r"^ {4}(imitate .*)$|`((?:imitate|for \w+ in [^`]*?imitate)\s[^`]*)`", text, re.MULTILINE)
     assert len(lines) > 30
     monkeypatch.chdir(tmp_path)
