@@ -41,8 +41,10 @@ LONGEST_FIRST = (
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Here, not in pyproject.toml: there it would load NumPy before it is told to take one thread."""
+    """The filter is here, not in pyproject.toml: there it would load NumPy before it is told to take one thread."""
     config.addinivalue_line("filterwarnings", "error::numpy.exceptions.VisibleDeprecationWarning")
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background; tests press Ctrl-C
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
