@@ -14,7 +14,7 @@ from experiments.intentions.showing import SHOWS, Shown, somebody
 from experiments.intentions.study import USUAL, Answers
 from experiments.intentions.trials import Trials
 from experiments.shared.children import Child
-from experiments.shared.judging import calibrations, interval_95, over_learners, share_over_plays
+from experiments.shared.judging import calibrations, interval_95, share_over_learners
 from experiments.shared.playing import Tried
 from imitation.acting.primitives import NAMES
 from imitation.inference.meaning import Meant
@@ -109,7 +109,9 @@ class Studied:
         return {
             "rates": share,
             "rates_interval": interval,
-            "rates_interval_over_plays": {name: share_over_plays(each) for name, each in ours.items()},
+            "rates_interval_over_plays": {
+                name: share_over_learners(np.array([one.mean() for one in each])) for name, each in ours.items()
+            },
             "rates_by_object": {
                 condition: {
                     toy: float(
@@ -159,7 +161,7 @@ def inferences(inferred: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
             rule: float(np.mean([one["rules"][rule] for one in inferred])) for rule in inferred[0]["rules"]
         },
         "goal_accuracy_interval_over_plays": {
-            rule: share_over_plays([np.array([one["rules"][rule]]) for one in inferred])
+            rule: share_over_learners(np.array([one["rules"][rule] for one in inferred]))
             for rule in inferred[0]["rules"]
         },
         "goal_accuracy_by_share": {
@@ -192,5 +194,4 @@ def exact(each: FloatArray) -> tuple[float, float]:
     """See `intervals`."""
     if np.isin(each, (0, 1)).all():
         return interval_95(int(each.sum()), len(each)) if len(each) else (0.0, 1.0)
-    middle, half = over_learners(each)
-    return max(float(middle - half), 0.0), min(float(middle + half), 1.0)
+    return share_over_learners(each) or (0.0, 1.0)

@@ -11,7 +11,7 @@ from experiments.objects.deciding import UNSEEN, Response
 from experiments.objects.options import Config
 from experiments.objects.showing import Act
 from experiments.shared.children import Child
-from experiments.shared.judging import calibrations, interval_95, over_plays, share_over_plays
+from experiments.shared.judging import calibrations, interval_95, interval_over_learners, share_over_learners
 from imitation.acting.primitives import NAMES
 from imitation.deferred import ActMemory
 from models.objects.states import STATES
@@ -97,7 +97,7 @@ class Studied:
             **calibrations("outcome", [one[:2] for one in table]),
             **calibrations("outcome_of_play", [one[:2] for one in own]),
             "outcome_gain_bits": float(gain.mean()),
-            "outcome_gain_bits_interval": over_plays(gain),
+            "outcome_gain_bits_interval": interval_over_learners(gain),
             **rates("recognition", self.by_name("recognised"), flat=True),
             "new_object": shares,
             "new_object_ratio": first / max(tried, 1e-9),
@@ -112,7 +112,9 @@ def rates(name: str, found: Mapping[str, Sequence[BoolArray]], flat: bool = Fals
     share = {key: float(np.concatenate(list(ones)).mean()) for key, ones in found.items()}
     whole = {key: np.concatenate(list(ones)) for key, ones in found.items()}
     inside = {key: interval_95(int(one.sum()), len(one)) for key, one in whole.items()}
-    plays = {key: share_over_plays(ones) for key, ones in found.items()}
+    plays = {
+        key: share_over_learners(np.array([one.mean() for one in ones if len(one)])) for key, ones in found.items()
+    }
     if not flat:
         return {name: share, f"{name}_interval": inside, f"{name}_interval_over_plays": plays}
     return {

@@ -114,17 +114,17 @@ def over_learners(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values.mean(0), half
 
 
-def over_plays(values: FloatArray) -> tuple[float, float] | None:
-    """95 % interval of the mean of (S,) values over plays; None for one play."""
+def interval_over_learners(values: FloatArray) -> tuple[float, float] | None:
+    """The ends of that interval, of (S,) values; None for one learner."""
     if len(values) < 2:
         return None
     middle, half = over_learners(values)
     return float(middle - half), float(middle + half)
 
 
-def share_over_plays(each: Sequence[FloatArray | BoolArray]) -> tuple[float, float] | None:
-    """The same of shares, each play's own; no share lies beyond 0 and 1."""
-    found = over_plays(np.array([one.mean() for one in each if len(one)]))
+def share_over_learners(values: FloatArray) -> tuple[float, float] | None:
+    """The same of (S,) shares, each learner's own; none lies beyond 0 and 1."""
+    found = interval_over_learners(values)
     return found and (max(found[0], 0.0), min(found[1], 1.0))
 
 

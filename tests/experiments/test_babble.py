@@ -61,7 +61,7 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minds, "save", save)
 
 
-@pytest.mark.parametrize("after", [1, 4])
+@pytest.mark.parametrize("after", [1, 2, 4])
 def test_interrupted_and_repeated_is_uninterrupted_to_the_last_bit(
     arm: Path,
     whole: Path,
@@ -86,7 +86,7 @@ def test_interrupted_and_repeated_is_uninterrupted_to_the_last_bit(
     babble = minds.babble
     monkeypatch.setattr(minds, "babble", counting)
     assert main(command(arm, out, "--sensor-noise-deg", "0.1")) == 0
-    assert ran == [after - 1]  # after its pilot, after all: it went on, it did not begin again
+    assert ran == [after - 1]  # after its pilot, after a bout, after all: it went on, it did not begin again
     assert_same_file(out, whole)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
     assert_same_beside(out, whole)
@@ -214,9 +214,9 @@ def test_the_learning_curve_is_no_worse_than_the_line(hasty: None, arm: Path) ->
     assert curve.table[-1] < 1.02 * curve.table[0]
 
 
-@pytest.mark.parametrize("how", [("2", "--workers", "2"), ("3", "--scheduler", "local")])
+@pytest.mark.parametrize("how", [("3", "--workers", "1"), ("2", "--workers", "2"), ("3", "--scheduler", "local")])
 def test_shards_make_no_difference(arm: Path, whole: Path, hasty: None, tmp_path: Path, how: tuple[str, ...]) -> None:
-    """To file, curve and numbers: in two processes, on a cluster."""
+    """To file, curve and numbers: in this process, in two, on a cluster."""
     if "local" in how:
         pytest.importorskip("distributed", reason="distributed is not installed: extra `cluster`")
     out = tmp_path / "arm.nc"
@@ -226,7 +226,7 @@ def test_shards_make_no_difference(arm: Path, whole: Path, hasty: None, tmp_path
     assert sorted(p.name for p in tmp_path.iterdir()) == ["arm.json", "arm.nc", "arm.png"]
 
 
-@pytest.mark.parametrize("after", [3])
+@pytest.mark.parametrize("after", [1, 3])
 def test_interrupted_it_goes_on_in_other_shards(
     arm: Path, whole: Path, hasty: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
 ) -> None:

@@ -18,7 +18,7 @@ from experiments.shared.judging import (
     over_learners,
     over_learners_above_zero,
     scores,
-    share_over_plays,
+    share_over_learners,
     within,
 )
 
@@ -88,13 +88,13 @@ def test_intervals_over_learners_hold_the_truth_nineteen_times_in_twenty() -> No
     assert half[0] == pytest.approx(t.ppf(0.975, 4) * values[:, 0].std(ddof=1) / np.sqrt(5))
 
 
-def test_shares_over_plays_lie_between_none_and_all() -> None:
-    all_but_one = [np.arange(20) > 0, np.ones(20, bool), np.ones(20, bool)]
-    mean, half = over_learners(np.array([one.mean() for one in all_but_one]))
+def test_shares_over_learners_lie_between_none_and_all() -> None:
+    all_but_one = np.array([0.95, 1.0, 1.0])
+    mean, half = over_learners(all_but_one)
     assert mean + half > 1
-    assert share_over_plays(all_but_one) == (pytest.approx(mean - half), 1.0)
-    assert share_over_plays([~one for one in all_but_one])[0] == 0.0
-    assert share_over_plays(all_but_one[:1]) is None
+    assert share_over_learners(all_but_one) == (pytest.approx(mean - half), 1.0)
+    assert share_over_learners(1 - all_but_one)[0] == 0.0
+    assert share_over_learners(all_but_one[:1]) is None
 
 
 def test_one_rule_beyond_another_is_paired_by_learner() -> None:
