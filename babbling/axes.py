@@ -188,9 +188,9 @@ class Cells(NamedTuple):
 
     def ahead(self, more: int) -> "Cells":
         """The same places, with room before them (so many dimensions) for values on a further axis, many at each."""
-        new = tuple(range(1, 1 + more))
-        shares = tuple(np.expand_dims(share, new) for share in self.shares)
-        return self._replace(corner=np.expand_dims(self.corner, new), shares=shares)
+        new = (1,) * more
+        shares = tuple(share.reshape(2, *new, *share.shape[1:]) for share in self.shares)
+        return Cells(self.corner.reshape(-1, *new, *self.corner.shape[1:]), shares, self.inside, self.axes)
 
     def read(self, table: FloatArray) -> FloatArray:
         """Multilinear interpolation of `[factor, axes..., rest...]`: (..., F, rest...)."""

@@ -9,7 +9,8 @@ from babbling.features import BEFORE, COLUMNS, PLAYS, Echo, Features, along
 from babbling.forward_model import ForwardModel
 from babbling.frame import Frame
 
-_ACTED = slice(len(BEFORE), len(COLUMNS))
+_PLAYS = slice(len(BEFORE), len(BEFORE) + len(PLAYS))
+_DEAD = slice(_PLAYS.stop, len(COLUMNS))
 
 
 class Trusted(NamedTuple):
@@ -64,9 +65,9 @@ class Outlook(NamedTuple):
     def expected(self, command: FloatArray) -> FloatArray:
         """(n..., ..., F) E[w | x] of commands."""
         known, plays = self.explanations, self._plays(command)
-        line, bent = np.split(known.averaged[:, _ACTED], [len(PLAYS)], axis=-1)
         effort = known.features.effort(plays)
-        mean = self.fixed + along(plays, line) + along(known.features.dead(effort), bent)
+        mean = self.fixed + along(plays, known.averaged[:, _PLAYS])
+        mean += along(known.features.dead(effort), known.averaged[:, _DEAD])
         if len(some := known.trusted.factors):
             there = self._cells(mean.ndim).on(known.trusted.effort, self._bent(effort, some))
             mean[..., some] += known.trusted.weights * there.read(known.trusted.mean)

@@ -17,7 +17,7 @@ from models.objects.states import STATES
 
 SHARES: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 """Of the movement that is seen."""
-PRESENTATIONS: Final = 100
+PRESENTATIONS: Final = 50
 """Of every object, for each play."""
 
 

@@ -20,6 +20,9 @@ from experiments.shared.rounds import look_at_hands
 from models.objects import TOYS
 from models.objects.states import SAME
 
+EACH, MEANS, CARELESS = 1, 8, 12
+"""Tries of every primitive with every object, for each play; more of those that Eq. (1) would choose for what is shown;
+and of the act that is shown, aimed anywhere: what fails, fails in physics."""
 ADULT_ACTS = 4
 """Tries by which it is judged who is somebody."""
 USUAL = "as they are"
@@ -40,7 +43,8 @@ def tried(task: Tries) -> Trials:
     """See `trials`."""
     toy, _, hands = task.thing.partition(":")
     first = 100_000 * task.number + 1000 * OBJECTS.index(task.thing)
-    return trials(task.child, toy, SHOWS[toy].act, SHOWS[toy].target, first, busy=bool(hands))
+    how = {"each": EACH, "means": MEANS, "careless": CARELESS}
+    return trials(task.child, toy, SHOWS[toy].act, SHOWS[toy].target, first, busy=bool(hands), **how)
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,6 @@ from models.objects import TOYS
 from models.objects.sight import Hands
 from models.objects.states import STATES
 
-TRIALS, MEANS = 2, 12
-"""Of every primitive with every object, for each play; more of those that Eq. (1) would choose for what is shown."""
-CARELESS = 12
-"""Of the act that is to be shown, aimed anywhere: what fails, fails in physics."""
 SPECIMENS = 8_000_000
 """Specimens from here on; play has others."""
 
@@ -54,8 +50,8 @@ class Trials:
 
 
 def trials(
-    child: Child, toy: str, shown: str, target: str, first: int, *, busy: bool = False,
-    each: int = TRIALS, means: int = MEANS, careless: int = CARELESS,
+    child: Child, toy: str, shown: str, target: str, first: int, *, busy: bool = False, each: int, means: int,
+    careless: int,
 ) -> Trials:  # fmt: skip
     """Every primitive, aimed as play taught, most often those by which the target is reached, and carelessly the one
     that is to be shown; with bound hands nothing but that one is needed.

@@ -38,13 +38,10 @@ def select_map(probability: FloatArray, axis: Axis, rng: np.random.Generator) ->
     if axis.is_categorical:
         return best.astype(float)
     inner = np.clip(best, 1, axis.size - 2)
-    with np.errstate(divide="ignore"):
-        left, top, right = (
-            np.log(np.take_along_axis(probability, (inner + k)[..., None], -1)[..., 0]) for k in (-1, 0, 1)
-        )
     with np.errstate(divide="ignore", invalid="ignore"):
-        curvature = left - 2 * top + right
-        shift = (left - right) / (2 * curvature)
+        three = np.log(np.take_along_axis(probability, inner[..., None] + np.arange(-1, 2), -1))
+        left, top, right = three[..., 0], three[..., 1], three[..., 2]
+        shift = (left - right) / (2 * (left - 2 * top + right))
     usable = (inner == best) & np.isfinite(shift)
     return np.asarray(axis.low + (best + np.where(usable, shift, 0.0)) * axis.step)
 
@@ -62,8 +59,9 @@ def select_matching(probability: FloatArray, axis: Axis, rng: np.random.Generato
 
 
 def _argmax(probability: FloatArray, rng: np.random.Generator) -> IntArray:
-    ties = probability >= probability.max(-1, keepdims=True)
-    tied = (ties.sum(-1) > 1).any()  # the generator is asked only where it decides
+    top = probability.max(-1, keepdims=True)
+    ties = probability >= top
+    tied = np.count_nonzero(ties) > top.size  # the generator is asked only where it decides
     return np.asarray((np.where(ties, rng.random(probability.shape), -1.0) if tied else probability).argmax(-1))
 
 

@@ -11,7 +11,6 @@ import experiments.intentions.found as found
 import experiments.intentions.run as intentions
 import experiments.intentions.showing as showing
 import experiments.intentions.study as study
-import experiments.intentions.trials as trials
 import experiments.shared.rounds as rounds
 from babbling.mind import Mind, learn
 from babbling.play import MIDDLE, PRIOR_STRENGTH, Play
@@ -229,8 +228,8 @@ def test_the_study_of_a_few(play: Path, hurried: None, tmp_path: Path, monkeypat
     monkeypatch.setattr(study, "CONDITIONS", few)
     monkeypatch.setattr(found, "CONDITIONS", few)
     monkeypatch.setattr(intentions, "OBJECTS", ("dumbbell", "outsized"))
-    monkeypatch.setattr(trials, "TRIALS", 1)
-    monkeypatch.setattr(trials, "MEANS", 2)
+    monkeypatch.setattr(study, "MEANS", 2)
+    monkeypatch.setattr(study, "CARELESS", 4)
     monkeypatch.setattr(intentions, "FILM_SEEDS", range(2))
     monkeypatch.setattr(intentions, "SENSITIVITY", {"1 act": {"acts": 1}})
     monkeypatch.setattr(showing, "SHOWS", {**showing.SHOWS, "panel": showing.SHOWS["dumbbell"]})
