@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pyarrow as pa
 import rerun as rr
@@ -232,27 +231,8 @@ def log_figure(stream: rr.RecordingStream, entity: str, figure: Figure) -> None:
     stream.log(entity, rr.EncodedImage(contents=drawn(figure), media_type="image/png"), static=True)
 
 
-HEIGHT = 360
-"""Pixels of a heat map: small tables are enlarged to be seen."""
-
-
-def heat_map(values: FloatArray, colours: str = "magma", aspect: float = 1.0) -> NDArray[np.uint8]:
-    """(H, W) numbers as an RGB picture of about `aspect` = width / height, every number a block of pixels."""
-    span = values.max() - values.min()
-    scaled = (values - values.min()) / (span if span > 0 else 1.0)
-    rgb = (matplotlib.colormaps[colours](scaled)[..., :3] * 255).astype(np.uint8)
-    tall = max(1, round(HEIGHT / len(rgb)))
-    wide = max(1, round(aspect * tall * len(rgb) / rgb.shape[1]))
-    return np.repeat(np.repeat(rgb, tall, axis=0), wide, axis=1)
-
-
 def png(rgb: NDArray[np.uint8]) -> bytes:
     """A picture (H, W, 3) as a file."""
     file = io.BytesIO()
     Image.fromarray(rgb).save(file, "PNG")
     return file.getvalue()
-
-
-def log_picture(stream: rr.RecordingStream, entity: str, rgb: NDArray[np.uint8]) -> None:
-    """A still picture, as PNG."""
-    stream.log(entity, rr.EncodedImage(contents=png(rgb), media_type="image/png"), static=True)
