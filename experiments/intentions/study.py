@@ -20,11 +20,11 @@ from experiments.shared.rounds import look_at_hands
 from models.objects import TOYS
 from models.objects.states import SAME
 
-EACH, MEANS, CARELESS = 1, 8, 12
+EACH, MEANS, CARELESS = 1, 4, 8
 """Tries of every primitive with every object, for each play; more of those that Eq. (1) would choose for what is shown;
 and of the act that is shown, aimed anywhere: what fails, fails in physics."""
-ADULT_ACTS = 4
-"""Tries by which it is judged who is somebody."""
+ADULT_ACTS, OUTLINE_MINUTES = 2, 6.0
+"""Tries by which it is judged who is somebody; body time of watching one's own elbows and shoulders before that."""
 USUAL = "as they are"
 """The way of being an imitator that counts; others show what depends on what."""
 OBJECTS = (*dict.fromkeys(toy for toys in CONDITIONS.values() for toy in toys), "panel:busy")
@@ -81,7 +81,7 @@ def answered(task: Population) -> dict[str, Any]:
     """What all of them do, for every way of being an imitator; and who is somebody, by body."""
     rng = np.random.default_rng([task.seed, task.number, 0x12])
     looks = {thing: looked_at(task.child.play, one, rng) for thing, one in task.adults.items()}
-    image = look_at_hands(task.child.mind, task.seed, task.child.robot, outline=True)
+    image = look_at_hands(task.child.mind, task.seed, task.child.robot, outline=True, minutes=OUTLINE_MINUTES)
     seen = looks["dumbbell"].trials.outline[:ADULT_ACTS]
     bodies = {body: likeness(image, seen, body, rng) for body in BODIES}
     goals = inferred(task.child, task.adult, task.adults, task.seed + 10 * task.number)
