@@ -30,6 +30,8 @@ WITHIN: Final = {"head_free": (9, 13), "head_bound": (3, 14), "head_none": (2, 4
 """How many infants of how many, where an interval over infants can be told."""
 LEAST_SHOWN: Final = 0.02
 """P of a goal that gets a line of its own."""
+WITH_END: Final = 1.15
+"""Where what became of the thing stands, beside shares of the movement."""
 
 
 def figures(done: Done) -> dict[str, Figure]:
@@ -133,25 +135,29 @@ def bodies(metrics: dict[str, Any]) -> Figure:
     return figure
 
 
-@captioned("How often the goal was inferred rightly after part of the movement, its end unseen, beside simpler rules.")
+@captioned(
+    "How often the goal was inferred rightly after part of the movement, and with its end, beside simpler rules; 95 % "
+    "intervals over plays."
+)
 def by_share(metrics: dict[str, Any]) -> Figure:
-    """Accuracy of the inferred goal by share of the movement that was seen."""
+    """Accuracy of the inferred goal by share of the movement that was seen, and with what became of the thing."""
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axes = figure.subplots()
-    shares = list(metrics["goal_accuracy_by_share"])
-    for rule, ink in (("Eq. (2)", OURS), ("last motion", THEIRS), ("most frequent", PLAIN)):
-        axes.plot(
-            [float(share) for share in shares],
-            [metrics["goal_accuracy_by_share"][share][rule] for share in shares],
-            "o-",
-            color=ink,
-            label=rule,
-        )
+    parts, ends = metrics["goal_accuracy_by_share"], metrics["goal_accuracy_by_share_interval_over_plays"]
+    whole, last = metrics["goal_accuracy"], metrics["goal_accuracy_interval_over_plays"]
+    for rule, ink in {"Eq. (2)": OURS, "last motion": THEIRS, "most frequent": PLAIN, "end": DARK}.items():
+        seen = {float(share): (one[rule], ends[share][rule]) for share, one in parts.items() if rule in one}
+        for style, shown in (("o-", seen), ("D", {WITH_END: (whole[rule], last[rule])})):
+            label = None if style == "D" and seen else "the end itself" if rule == "end" else rule
+            if shown:
+                middle = np.array([share for share, _ in shown.values()])
+                two = np.array([pair or (share, share) for share, pair in shown.values()])
+                axes.errorbar(list(shown), middle, np.abs(two.T - middle), fmt=style, color=ink, capsize=2, label=label)
     axes.set(xlabel="share of the movement that was seen", ylabel="share of goals inferred rightly", ylim=(0, 1))
+    tenths = np.arange(2, 11, 2) / 10
+    axes.set_xticks([*tenths, WITH_END], [*(f"{share:g}" for share in tenths), "its end too"])
     legend_above(axes)
-    figure.suptitle(
-        f"{metrics['goal_presentations']} presentations by adults who pursue a goal; its end unseen.", fontsize=9
-    )
+    figure.suptitle(f"{metrics['goal_presentations']} presentations by adults who pursue a goal.", fontsize=9)
     return figure
 
 

@@ -153,24 +153,23 @@ class Studied:
 
 def inferences(inferred: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """How well goals were inferred from single presentations, over plays."""
-    shares = list(inferred[0]["by_share"])
+    ended = over_plays([one["rules"] for one in inferred])
+    shares = {f"{one:g}": over_plays([play["by_share"][one] for play in inferred]) for one in inferred[0]["by_share"]}
     return {
         **calibrations("goal", [(one["sure"], one["right"]) for one in inferred]),
         "goal_presentations": sum(len(one["sure"]) for one in inferred),
-        "goal_accuracy": {
-            rule: float(np.mean([one["rules"][rule] for one in inferred])) for rule in inferred[0]["rules"]
-        },
-        "goal_accuracy_interval_over_plays": {
-            rule: share_over_learners(np.array([one["rules"][rule] for one in inferred]))
-            for rule in inferred[0]["rules"]
-        },
-        "goal_accuracy_by_share": {
-            f"{share:g}": {
-                rule: float(np.mean([one["by_share"][share][rule] for one in inferred]))
-                for rule in inferred[0]["by_share"][share]
-            }
-            for share in shares
-        },
+        "goal_accuracy": ended[0],
+        "goal_accuracy_interval_over_plays": ended[1],
+        "goal_accuracy_by_share": {share: found for share, (found, _) in shares.items()},
+        "goal_accuracy_by_share_interval_over_plays": {share: ends for share, (_, ends) in shares.items()},
+    }
+
+
+def over_plays(each: Sequence[Mapping[str, float]]) -> tuple[dict[str, float], dict[str, Any]]:
+    """By rule, the mean of plays, and its 95 % interval (None of a single one)."""
+    found = {rule: np.array([one[rule] for one in each]) for rule in each[0]}
+    return {rule: float(one.mean()) for rule, one in found.items()}, {
+        rule: share_over_learners(one) for rule, one in found.items()
     }
 
 
