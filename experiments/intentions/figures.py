@@ -95,6 +95,8 @@ def rates(metrics: dict[str, Any], plays: int) -> Figure:
         axes.bar(where + shift, middle, 0.25, color=ink, label=label)
         axes.errorbar(where + shift, middle, np.abs(ends.T - middle), fmt="none", color=DARK, capsize=2, lw=1)
     for name, (status, share) in INFANTS.items():
+        if name not in names:  # nobody could show it
+            continue
         at, low, high = names.index(name) - 0.27, share, share
         if name in WITHIN:
             low, high = interval_95(*WITHIN[name])

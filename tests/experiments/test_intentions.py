@@ -238,8 +238,10 @@ def test_the_study_of_a_few(play: Path, hurried: None, tmp_path: Path, monkeypat
     few.pop("head_bound")
     words = ["intentions", "--study", "--sensitivity", "--plays", str(play), "--agents", "5", "--workers", "1"]
     monkeypatch.setattr(intentions, "told", lambda metrics: [("agents", str(metrics["agents"]))])
-    monkeypatch.setattr(intentions, "study_figures", lambda studied, metrics: {})
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    assert {f"{name}.png" for name in ("rates", "somebody", "goals", "films", "sensitivity")} <= {
+        one.name for one in (tmp_path / "out").iterdir()
+    }
     told = json.loads((tmp_path / "out" / "metrics.json").read_text())
     assert told["agents"] == 5 and set(told["rates"]) <= set(few) and told["rates"]["target"] >= 0
     for key in ("rates", "rates_mimicry", "rates_emulation"):
