@@ -248,12 +248,12 @@ def a_performance(path: Path) -> None:
 
 
 READERS: dict[str, Reader] = {
-    "table": Reader("case.csv", samples.tables, a_movement, BodyError, samples.TABLE, 500),
-    "table in ranges": Reader("case.tsv", samples.tables, in_ranges, BodyError, samples.TABLE, 300),
+    "table": Reader("case.csv", samples.tables, a_movement, BodyError, samples.TABLE, 200),
+    "table in ranges": Reader("case.tsv", samples.tables, in_ranges, BodyError, samples.TABLE, 150),
     "motion file": Reader("case.txt", samples.motion_files, in_ranges, BodyError, samples.TABLE, 150),
     "archive": Reader("case.npz", samples.archives, a_movement, BodyError, samples.ARCHIVE, 150, an_archive),
-    "amc": Reader("case.amc", samples.amc, a_performance, BodyError, WORDS_OF_AMC, 400),
-    "bvh": Reader("case.bvh", samples.bvh, a_performance, BodyError, samples.BVH, 400),
+    "amc": Reader("case.amc", samples.amc, a_performance, BodyError, WORDS_OF_AMC, 200),
+    "bvh": Reader("case.bvh", samples.bvh, a_performance, BodyError, samples.BVH, 200),
     "urdf": Reader("case.urdf", samples.urdf, a_teacher, BodyError, samples.URDF, 120),
     "body": Reader("case.xml", samples.bodies, it_moves, BodyError, samples.MJCF, 120),
     "mesh as text": Reader("link.obj", samples.asset("link.obj"), it_is_dressed, BodyError, samples.OBJ, 40),
@@ -261,20 +261,20 @@ READERS: dict[str, Reader] = {
     "texture": Reader("t.png", samples.asset("t.png"), it_is_dressed, BodyError, COLOURS, 40),
     "height field": Reader("h.png", samples.asset("h.png"), it_is_dressed, BodyError, COLOURS, 40),
     "face": Reader("case.xml", lambda folder: [FACE.read_bytes()], a_face, BodyError, samples.MJCF, 60),
-    "maze": Reader("case.txt", samples.drawings, a_maze, BodyError, WORDS_OF_A_MAZE, 800),
-    "walks": Reader("case.csv", samples.walks, some_walks, BodyError, WORDS_OF_WALKS, 250),
+    "maze": Reader("case.txt", samples.drawings, a_maze, BodyError, WORDS_OF_A_MAZE, 300),
+    "walks": Reader("case.csv", samples.walks, some_walks, BodyError, WORDS_OF_WALKS, 150),
     "trials": Reader("case.csv", samples.trials, some_trials, SEVERAL, samples.TABLE, 150),
     "trials.parquet": Reader("case.parquet", samples.parquets, some_trials, SEVERAL, (), 20),
     **{f"{name}.nc": a_kind(name) for name in sorted(KINDS)},
-    "run/config.json": Reader("run/config.json", samples.folder_of("config.json"), a_run, SEVERAL, samples.JSON, 500),
+    "run/config.json": Reader("run/config.json", samples.folder_of("config.json"), a_run, SEVERAL, samples.JSON, 200),
     "run/metrics.json": Reader(
-        "run/metrics.json", samples.folder_of("metrics.json"), a_run, SEVERAL, samples.JSON, 500
+        "run/metrics.json", samples.folder_of("metrics.json"), a_run, SEVERAL, samples.JSON, 200
     ),
     "run/trajectories.nc": Reader(
         "run/trajectories.nc", samples.folder_of("trajectories.nc"), a_run, SEVERAL, (), 100, a_netcdf
     ),
-    "older result": Reader("run/config.json", samples.older, an_older_result, ExperimentError, samples.JSON, 500),
-    "kept part": Reader("case.npz", samples.parts, a_part, ExperimentError, samples.ARCHIVE, 300),
+    "older result": Reader("run/config.json", samples.older, an_older_result, ExperimentError, samples.JSON, 200),
+    "kept part": Reader("case.npz", samples.parts, a_part, ExperimentError, samples.ARCHIVE, 150),
     "command line": Reader("words", samples.lines, a_command, (BabblingError, BodyError), samples.OPTIONS, 200),
 }
 """Name -> reader."""
